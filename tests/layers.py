@@ -52,7 +52,7 @@ def faults(src):
         floor = ROOMS.index(room) if room in ROOMS else len(ROOMS)
         yield from (f"{name}: {fault}" for fault in named(without_comments(file.read_text()), room))
         for line in file.read_text().splitlines():
-            ours = re.match(r'#include "(\w+)/\w+\.h"', line)
+            ours = re.match(r'#include "(\w+)/\w+\.(?:h|def)"', line)
             if ours and (ours.group(1) not in ROOMS or ROOMS.index(ours.group(1)) > floor or
                          (room, ours.group(1)) in STRANGERS):
                 yield f"{name}: {line}"

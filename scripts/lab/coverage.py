@@ -198,14 +198,19 @@ def reference(exe, options, directory, extra):
         return said if said else {k: found[k] for k in found.files}
 
 
+def tolerance(attributes):
+    """That of a run's steps where contact does not ease it: as given, or as the scene has it (an earlier program does not say it)."""
+    found = re.search(r"-ts_rtol ([\d.e+-]+)", str(attributes.get("options", "")))
+    return float(found[1]) if found else float(attributes.get("parameters/ts_rtol", 1e-6))
+
+
 def reference_options(run, attributes, options, accuracy):
     """Those of three times the cells and a hundredth of the tolerance. The stiffness of contact follows from the
     diameter; where an accuracy is asked for, that of rigid contact is, and it is as much larger as such cells allow."""
-    used = {k: v for k, v in options.items() if k != "rod_cells"}
+    used = {k: v for k, v in options.items() if k not in ("rod_cells", "contact_rtol")}
     if accuracy and "contact_stiffness" in attributes:
         used["contact_stiffness"] = f"{3 ** 4 * float(attributes['contact_stiffness']):g}"
-    found = re.search(r"-ts_rtol ([\d.e+-]+)", str(attributes.get("options", "")))
-    rtol = float(found.group(1)) if found else 1e-6
+    rtol = tolerance(attributes)
     if used.get("rod_model") in ("auto", "linear"):
         used["rod_model"] = "frame"
     if used.get("growth_type") == "apical" and float(used.get("friction_beta", 1)) == 0 and float(used["friction_mu"]) > 0:

@@ -15,7 +15,6 @@ stiff. Rows are added to FILE one by one; what is in it is not run again."""
 import argparse
 import csv
 import random
-import re
 import sys
 from pathlib import Path
 
@@ -66,9 +65,8 @@ KINDS = {"plane": plane, "head-on": head_on, "walls": walls, "ropes": ropes}
 
 
 def reference_options(options, pair, run, attributes):
-    used, extra = dict(options), []
-    rtol = re.search(r"-ts_rtol ([\d.e+-]+)", str(attributes.get("options", "")))
-    rtol = float(rtol[1]) if rtol else float(attributes["parameters/ts_rtol"])
+    used, extra = {k: v for k, v in options.items() if k != "contact_rtol"}, []
+    rtol = coverage.tolerance(attributes)
     if "stiff" in pair:
         used["contact_stiffness"] = f"{100 * float(attributes['contact_stiffness']):.6g}"
     if "cells" in pair:

@@ -1,6 +1,9 @@
 /* An exact solver, on any number of ranks, for matrices that couple neighbouring nodes of a line
-   and need no exchange of nodes: all that tendril solves with. Nothing but PETSc's own LU is asked
-   for. */
+   and need no exchange of nodes: all that tendril solves with. On one rank it is PETSc's LU. On
+   several nothing of PETSc's does as much. PCREDUNDANT factors all of it on every rank: 1.2 times
+   the time of a rank and twice the memory (eigenvalues of 100 000 vertices on 3 ranks: 521 MB, here
+   264), where ranks are asked for because one has not the memory; 1.1 to 1.5 times the time of a
+   mixed rod of 2000 cells. MUMPS takes 4 times, and is not everywhere. */
 #ifndef TENDRIL_CHAIN_H
 #define TENDRIL_CHAIN_H
 

@@ -1,5 +1,6 @@
-/* PETSc's own options that users set: they are checked here, because PETSc's message for a
-   malformed number does not name the option, and listed, for the nearest name to a mistyped one. */
+/* PETSc's own options that users set. They are listed for what PETSc lacks: its message for a
+   malformed number does not name the option, it has no ranges and no units, and it knows no nearest
+   name to a mistyped one. All others of its objects are taken as they are. */
 #include "base/options.h"
 
 static const OptionRow rows[] = {

@@ -1,5 +1,5 @@
-/* The command line as it stands, before PETSc takes it: it ignores silently what belongs to no
-   option, and reads options files too early for a plain message. */
+/* The command line as it stands, before PETSc takes it, which drops without a word what belongs to
+   no option, and reads options files too early for a plain message. */
 #include "base/options.h"
 #include "base/words.h"
 #include <ctype.h>

@@ -1,5 +1,7 @@
-/* Options files. PETSc would read them, too, but ends in a traceback where one is wrong, follows a
-   file that names itself for ever, and knows nothing of files that count from the options file. */
+/* Options files. PETSc reads them, too, but what users need is not in it (seen with 3.18): data
+   that a file names count from its own place, a fault is one line with the remedy and not a
+   traceback, the files read are known (no output goes over them). It crashes on a file that names
+   itself, and takes --name for an option. */
 #include "base/words.h"
 #include "base/options.h"
 #include <ctype.h>

@@ -1,6 +1,7 @@
 #include "rod/brushing.h"
 #include "rod/feet.h"
 #include "rod/passing.h"
+#include "rod/rules.h"
 
 /* A wall that is touched somewhere: which one, and how deep. */
 typedef struct {
@@ -133,7 +134,6 @@ static PetscErrorCode MarkWalls(Rod rod, PetscReal t, Vec U, Brush *brush) {
 /* Which nodes may have brushed a wall? A gap changes by no more than the way of the place: so it
    may where that is longer than the gaps at both its ends together. Collective. */
 static PetscErrorCode AskNodes(Rod rod, PetscReal t1, Vec U0, Vec U1, Brush *brush) {
-  const PetscReal round = 1.2; /* a way is no straight line */
   const PetscBool move = WallsMove(&rod->scene->contact);
   const PetscScalar *u0, *u1;
   PetscReal x0[3], x1[3];
@@ -147,7 +147,7 @@ static PetscErrorCode AskNodes(Rod rod, PetscReal t1, Vec U0, Vec U1, Brush *bru
     PetscReal way, gap;
     PlaceOf(rod, u0, k, x0);
     PlaceOf(rod, u1, k, x1);
-    way = round * hypot(hypot(x1[0] - x0[0], x1[1] - x0[1]), x1[2] - x0[2]);
+    way = rod_rule.way_round * hypot(hypot(x1[0] - x0[0], x1[1] - x0[1]), x1[2] - x0[2]);
     gap = move ? 0 : GapOf(rod, x1, way);
     if (gap < way && !move) gap += PetscMax(0, GapOf(rod, x0, way));
     brush->node[k] = (char)(move || gap < way);

@@ -1,4 +1,5 @@
 #include "rod/coupled.h"
+#include "rod/rules.h"
 #include <string.h>
 #include <petsc/private/matimpl.h> /* a matrix that is given another pattern does not say so itself */
 
@@ -70,9 +71,6 @@ PetscErrorCode CoupledClose(Coupled self, Vec U, Vec U_t) {
   PetscFunctionReturn(0);
 }
 
-/* How far a foot may wander along the rod, in cells, before the matrix needs another pattern. */
-enum { WANDER = 1 };
-
 /* The columns of each owned row of nodes, as they are gathered. */
 typedef struct {
   PetscInt *n, *room, **column;
@@ -111,9 +109,12 @@ static PetscErrorCode AddPair(Rod rod, Columns *columns, const PetscInt cell[2])
 
   PetscFunctionBegin;
   for (int k = 0; k < 2; k++) {
-    PetscInt a = cell[k], b = cell[1 - k], low = a - 1 - WANDER, high = a + reach + WANDER;
-    PetscCall(AddColumns(rod, columns, low, high, b - WANDER, b + 1 + WANDER));
-    PetscCall(AddColumns(rod, columns, low, high, a - WANDER, a + 1 + WANDER));
+    PetscInt a = cell[k], b = cell[1 - k], low = a - 1 - rod_rule.pattern_margin,
+             high = a + reach + rod_rule.pattern_margin;
+    PetscCall(AddColumns(rod, columns, low, high, b - rod_rule.pattern_margin,
+                         b + 1 + rod_rule.pattern_margin));
+    PetscCall(AddColumns(rod, columns, low, high, a - rod_rule.pattern_margin,
+                         a + 1 + rod_rule.pattern_margin));
   }
   PetscFunctionReturn(0);
 }
@@ -164,7 +165,7 @@ static PetscErrorCode KeepPairs(Coupled self, PetscInt cells, PetscInt n, PetscI
 /* Is there room for a pair? */
 static PetscBool HasRoom(const struct _Coupled *self, const PetscInt cell[2]) {
   for (PetscInt k = self->from[cell[0]]; k < self->from[cell[0] + 1]; k++)
-    if (PetscAbsInt(self->foot[k] - cell[1]) <= WANDER) return PETSC_TRUE;
+    if (PetscAbsInt(self->foot[k] - cell[1]) <= rod_rule.pattern_margin) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 

@@ -1,6 +1,7 @@
 #include "rod/feet.h"
 #include "base/bezier.h"
 #include "curve/cell.h"
+#include "rod/rules.h"
 
 static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
   return a[0] * b[0] + a[1] * b[1];
@@ -46,12 +47,10 @@ static PetscReal Lean(const Foot *foot, const PetscReal c[2]) {
 /* The root of (x - c).x_z between 0 and 1, where it goes from below 0 to above: by Newton's method,
    or by halves where that leaves what is known to hold the root. */
 static void Descend(const FootCell *cell, const PetscReal c[2], Foot *foot) {
-  enum { MOST = 80 };
-  const PetscReal enough = 1e-15;
   PetscReal low = 0, high = 1;
 
   foot->z = 0.5;
-  for (int k = 0; k < MOST; k++) {
+  for (int k = 0; k < rod_rule.nearest_iterations; k++) {
     PetscReal f, f_z, z, o[2];
     PlaceOn(cell, foot);
     f = Lean(foot, c);
@@ -60,7 +59,8 @@ static void Descend(const FootCell *cell, const PetscReal c[2], Foot *foot) {
     f_z = Dot(foot->slope, foot->slope) + Dot(o, foot->bend);
     z = f_z > 0 ? foot->z - f / f_z : -1;
     if (!(z > low && z < high)) z = (low + high) / 2;
-    if (PetscAbsReal(z - foot->z) < enough || high - low < enough) return;
+    if (PetscAbsReal(z - foot->z) < rod_rule.nearest_found || high - low < rod_rule.nearest_found)
+      return;
     foot->z = z;
   }
   PlaceOn(cell, foot);

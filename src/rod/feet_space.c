@@ -1,6 +1,7 @@
 #include "rod/feet_space.h"
 #include "base/bezier.h"
 #include "curve/cell.h"
+#include "rod/rules.h"
 
 /* ---- the curve ---- */
 
@@ -56,11 +57,9 @@ static PetscBool LookFrom(const Looking *look, PetscInt item, Foot3 *foot, Touch
    by halves where that leaves what is known to hold the root. */
 static PetscBool Descend(const Looking *look, PetscInt item, PetscReal low, PetscReal high,
                          Foot3 *foot, Touch3 *touch) {
-  enum { MOST = 80 };
-  const PetscReal enough = 1e-15;
 
   foot->z = (low + high) / 2;
-  for (int k = 0; k < MOST; k++) {
+  for (int k = 0; k < rod_rule.nearest_iterations; k++) {
     PetscReal f, f_z, z;
     if (!LookFrom(look, item, foot, touch)) return PETSC_FALSE;
     f = Dot3(touch->normal, foot->slope);
@@ -68,7 +67,8 @@ static PetscBool Descend(const Looking *look, PetscInt item, PetscReal low, Pets
     f_z = Stiff(foot, touch);
     z = f_z > 0 ? foot->z - f / f_z : -1;
     if (!(z > low && z < high)) z = (low + high) / 2;
-    if (PetscAbsReal(z - foot->z) < enough || high - low < enough) return PETSC_TRUE;
+    if (PetscAbsReal(z - foot->z) < rod_rule.nearest_found || high - low < rod_rule.nearest_found)
+      return PETSC_TRUE;
     foot->z = z;
   }
   return LookFrom(look, item, foot, touch);

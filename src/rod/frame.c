@@ -12,6 +12,7 @@
    elsewhere. */
 #include "rod/frame.h"
 #include "curve/cell.h"
+#include "rod/rules.h"
 #include <string.h>
 
 static const OptionRow rows[] = {
@@ -605,11 +606,6 @@ static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
   PetscFunctionReturn(0);
 }
 
-/* The elimination goes from a beginning that is held, or from a free tip. Where it does not solve
-   for a step of the rod, but modes are counted in it, or errors followed by it, there are springs
-   else, so much softer than the rod, or so much stiffer. */
-static const PetscReal softer = 1e6, stiffer = 1e6;
-
 /* The tip's equations by its own unknowns, with springs for what holds it. */
 static PetscErrorCode TipSprings(Rod rod, PetscReal t, PetscReal by[TIP_ROWS][FIELDS]) {
   const Tip *tip = &rod->scene->tip;
@@ -619,12 +615,12 @@ static PetscErrorCode TipSprings(Rod rod, PetscReal t, PetscReal by[TIP_ROWS][FI
   PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
   if (TipPoints(tip)) {
     by[0][M] = 1;
-    by[0][TH] = stiffer / length;
+    by[0][TH] = rod_rule.spring_stiffer / length;
   }
   for (int d = 0; d < 2; d++)
     if (TipHolds(tip, d)) {
       by[1 + d][N1 + d] = 1;
-      by[1 + d][X1 + d] = stiffer / (length * length * length);
+      by[1 + d][X1 + d] = rod_rule.spring_stiffer / (length * length * length);
     }
   PetscFunctionReturn(0);
 }
@@ -637,8 +633,8 @@ static PetscErrorCode BeginSprings(Rod rod, PetscReal t, Elimination elimination
   PetscFunctionBegin;
   if (clamp == CLAMP_HELD || rod->first > 0) PetscFunctionReturn(0);
   PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
-  EliminationSpring(elimination, softer * length,
-                    clamp == CLAMP_FREE ? softer * PetscPowReal(length, 3) : 0);
+  EliminationSpring(elimination, rod_rule.spring_softer * length,
+                    clamp == CLAMP_FREE ? rod_rule.spring_softer * PetscPowReal(length, 3) : 0);
   PetscFunctionReturn(0);
 }
 

@@ -15,21 +15,14 @@
 #include "base/hermite.h"
 #include "base/lagrange.h"
 #include "world/contact.h"
+#include "rod/rules.h"
 #include <string.h>
 
 enum { PLACES = 5 };
 
-/* Where f changes from point to point as much as it bends, differences of it tell nothing of its
-   derivatives: the error is not the fifteenth of what a finer rule changes, but all of it. */
-static const PetscReal rough_error = 3;
-
-/* So of 35 random scenes 33 are told more than their error at the end, 23 up to ten times that
-   (with a third 33 and 17, with none 31 and 21). */
-static const PetscReal of_pressure = 0.1;
-
 /* What part of the pressure of contact counts in a cell of that length. */
 static inline PetscReal PairSees(const Contact *contact, PetscReal cell) {
-  return contact->any ? PetscMin(1, PetscSqr(contact->tip / cell)) * of_pressure : 1;
+  return contact->any ? PetscMin(1, PetscSqr(contact->tip / cell)) * rod_rule.pressure_defect : 1;
 }
 
 /* Weights of the integral over [0, 1] of the polynomial through values at the ends and middles of
@@ -67,7 +60,7 @@ static inline PetscReal PairRule(PetscReal h1, PetscReal h2, const PetscReal wei
   PetscReal best = 0, simpson = (h1 * (f[0] + 4 * f[1] + f[2]) + h2 * (f[2] + 4 * f[3] + f[4])) / 6;
 
   for (int j = 0; j < PLACES; j++) best += (h1 + h2) * weight[j] * f[j];
-  return (simpson - best) * (1 + (rough_error - 1) * Roughness(f));
+  return (simpson - best) * (1 + (rod_rule.rough_error - 1) * Roughness(f));
 }
 
 /* ... and what the cubics in the cells are off by, from f at the node between them on the cubic

@@ -1,5 +1,6 @@
 #include "rod/passing.h"
 #include "base/bezier.h"
+#include "rod/rules.h"
 
 /* The four points of a Bezier curve. */
 enum { DIMS = 2 };
@@ -93,20 +94,16 @@ static PetscReal MeetPart(PetscInt item, PetscReal reach, void *ctx) {
   return look->passes ? -1 : reach;
 }
 
-/* A rod without a thickness is behind a wall at so many times the length over which contact spreads
-   a force that acts at a point: a step that ends there has not seen the wall. */
-static const PetscReal lengths_behind = 4;
-
 /* Is a place of the rod behind any wall, or was it on its way there? (Only between the arms of
    conduits may it come out again: what is behind the other walls has no other side, or is seen by
    its edges and posts.) */
 static PetscBool Behind(const Contact *contact, const PetscReal x0[2], const PetscReal x1[2]) {
-  enum { MOST = 50 };
   const PetscReal half = contact->diameter / 2, way = hypot(x1[0] - x0[0], x1[1] - x0[1]),
-                  deep = half > 0 ? half : lengths_behind * contact->tip;
+                  deep = half > 0 ? half : rod_rule.lengths_behind * contact->tip;
   PetscInt n = 1;
 
-  if (contact->walls.conduits) n = (PetscInt)PetscMin(MOST, PetscCeilReal(2 * way / deep));
+  if (contact->walls.conduits)
+    n = (PetscInt)PetscMin(rod_rule.behind_states, PetscCeilReal(2 * way / deep));
   for (PetscInt k = 1; k <= PetscMax(n, 1); k++) {
     const PetscReal z = (PetscReal)k / PetscMax(n, 1);
     PetscReal x[2];

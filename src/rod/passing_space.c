@@ -4,6 +4,7 @@
 #include "base/bezier.h"
 #include "rod/directors.h"
 #include "rod/passing.h"
+#include "rod/rules.h"
 
 /* The four points of a Bezier curve. */
 enum { DIMS = 3 };
@@ -21,11 +22,6 @@ typedef struct {
 
 enum { RESTING = -1 };
 
-/* A rod without a thickness is behind a wall at so many times the length over which contact spreads
-   a force that acts at a point. */
-static const PetscReal lengths_behind = 4;
-static const PetscReal parts = 4;            /* of that depth: so fine is looked */
-static const PetscReal before_middle = 0.75; /* of what a thing and the rod are thick */
 enum { DEEPEST = 24 };
 
 static void CurveOf(const FootCell3 *cell, Bezier b) {
@@ -83,7 +79,7 @@ static PetscBool Sweeps(const Look *look, PetscInt which) {
    as behind, as of a thread that meets a wire, less than to its middle, or nothing ever would be.
  */
 static PetscReal DeepOnTheWay(const Look *look, PetscReal thick) {
-  return PetscMin(PetscMax(look->deep, thick / 2), before_middle * thick);
+  return PetscMin(PetscMax(look->deep, thick / 2), rod_rule.before_middle * thick);
 }
 
 /* Of what has another side: was a place so deep in it? fine: how finely it is to be looked. */
@@ -105,7 +101,7 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
     if (core == PETSC_MAX_REAL || !Sweeps(look, which[k]) || gap - r >= -deep) continue;
     if (gap < -deep) return BEHIND;
     verdict = NEAR;
-    *fine = PetscMin(*fine, deep / parts);
+    *fine = PetscMin(*fine, deep / rod_rule.passing_parts);
   }
   if (n == MOST_SURFACES) { /* there may be more: the parts have fewer about them */
     verdict = NEAR;
@@ -118,7 +114,7 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
     if (gap < -deep) return BEHIND;
     if (gap - r < -deep) {
       verdict = NEAR;
-      *fine = PetscMin(*fine, deep / parts);
+      *fine = PetscMin(*fine, deep / rod_rule.passing_parts);
     }
   }
   return verdict;
@@ -179,14 +175,14 @@ static PetscInt PartsOf(const Look *look, PetscReal since, Bezier b) {
   const Contact *contact = look->contact;
   const Surfaces *surfaces = &contact->surfaces;
   const PetscReal core = surfaces->surface[look->moving].core,
-                  fine = DeepOnTheWay(look, core + contact->diameter / 2) / parts, most = 1000;
+                  fine = DeepOnTheWay(look, core + contact->diameter / 2) / rod_rule.passing_parts;
   PetscReal y[3], n;
 
   for (int d = 0; d < 3; d++)
     y[d] =
         contact->lab[d][0] * b[0][0] + contact->lab[d][1] * b[0][1] + contact->lab[d][2] * b[0][2];
   n = PetscCeilReal(PetscSqrtReal(SurfacesBow(surfaces, look->moving, since, y) / fine));
-  return (PetscInt)PetscMax(1, PetscMin(most, n));
+  return (PetscInt)PetscMax(1, PetscMin(rod_rule.passing_most, n));
 }
 
 /* The cell part of the way from b0 at a time on to b1 now, as a surface that moves would have it.
@@ -271,8 +267,9 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
 
   PetscFunctionBegin;
   PetscCall(SceneContactAt(rod->scene, t1));
-  look.deep = contact->diameter > 0 ? contact->diameter / 2 : lengths_behind * contact->tip;
-  look.fine = look.deep / parts;
+  look.deep =
+      contact->diameter > 0 ? contact->diameter / 2 : rod_rule.lengths_behind * contact->tip;
+  look.fine = look.deep / rod_rule.passing_parts;
   PetscCall(PetscMalloc2(n, &cell[0], n, &cell[1]));
   PetscCall(RodFootCells3(rod, t0, U0, n, cell[0]));
   PetscCall(RodFootCells3(rod, t1, U1, n, cell[1]));

@@ -2,6 +2,7 @@
 #include "base/lagrange.h"
 #include "rod/directors.h"
 #include "rod/learned.h"
+#include "rod/rules.h"
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
 /* RodModelFor - a model as it is of a scene: that whose material learns what it has to. */
@@ -201,9 +202,6 @@ PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with) {
   PetscFunctionReturn(0);
 }
 
-/* How far apart the labels are between which the slope of a moment is taken. */
-static const PetscReal beside = 1e-4;
-
 /* The moment of the initial shape at s. */
 static PetscErrorCode InitialMoment(Scene scene, PetscReal s, PetscReal t, PetscReal *moment) {
   PetscReal g, theta, slope, k0, B;
@@ -220,8 +218,8 @@ static PetscErrorCode InitialMoment(Scene scene, PetscReal s, PetscReal t, Petsc
 /* Its force across, of which m' = -g q x n: n = (n.q) q - m'/g q_perp. */
 static PetscErrorCode InitialShear(Scene scene, PetscReal s, PetscReal t, Node *node) {
   const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
-  const PetscReal middle = PetscMax(beside, PetscMin(1 - beside, s));
-  const PetscReal at[3] = {middle - beside, middle, middle + beside};
+  const PetscReal middle = PetscMax(rod_rule.slope_step, PetscMin(1 - rod_rule.slope_step, s));
+  const PetscReal at[3] = {middle - rod_rule.slope_step, middle, middle + rod_rule.slope_step};
   PetscReal g, m, D[3], slope = 0, along, across;
 
   PetscFunctionBegin;

@@ -59,11 +59,6 @@ static inline void PlanePart(const Node *node, PlaneNode *plane) {
     ((PetscReal *)plane)[k] = ((const PetscReal *)node)[k];
 }
 
-/* A field smaller than this part of its unit has died away: its relative error is of no account.
-   (Far above the least number: forces and rates of such a field must still be numbers of all
-   digits.) */
-static const PetscReal rod_vanished = 1e-270;
-
 /* The larger of two sizes; one that is no number is infinite, and stays so. (Then the largest of
    many is the same in any order, and on all ranks, which else go different ways, and hang.) */
 static inline PetscReal LargerSize(PetscReal most, PetscReal size) {

@@ -1,5 +1,6 @@
 /* How large the fields of a rod are, and by what changes of them are measured. */
 #include "rod/learned.h"
+#include "rod/rules.h"
 
 /* RodFieldSizes - max |U| of each field over the rod (LargerSize()). Collective. */
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
@@ -40,7 +41,8 @@ PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscRe
   if (!model->pairs) PetscFunctionReturn(0);
   most = PetscMax(size[x->along], size[x->beside]);
   least = PetscMin(size[x->along], size[x->beside]);
-  if (!(least > 0) || least <= rod_vanished || PetscIsInfOrNanReal(most)) PetscFunctionReturn(0);
+  if (!(least > 0) || least <= rod_rule.vanished || PetscIsInfOrNanReal(most))
+    PetscFunctionReturn(0);
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt i = 0; i < n; i += fields) {
     PetscReal a = u[i + x->along] / size[x->along], b = u[i + x->beside] / size[x->beside];
@@ -116,10 +118,6 @@ PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal 
   PetscFunctionReturn(0);
 }
 
-/* Of what is across the axes but for this part of it, there is only what was left by round-off of
-   fields that both have part in. */
-static const PetscReal told_apart = 1e-4;
-
 /* The sizes along the axes, none below what the coordinates, of these sizes, leave there. */
 static void LeaveRoundOff(const RodModel *model, const PetscReal axes[2], const PetscReal of[],
                           PetscReal size[]) {
@@ -127,8 +125,8 @@ static void LeaveRoundOff(const RodModel *model, const PetscReal axes[2], const 
 
   for (PetscInt k = 0; k < model->pairs && s > 0; k++) {
     const PetscInt a = model->pair[k].along, b = model->pair[k].beside;
-    size[a] = PetscMax(size[a], told_apart * (c * of[a] + s * of[b]));
-    size[b] = PetscMax(size[b], told_apart * (c * of[b] + s * of[a]));
+    size[a] = PetscMax(size[a], rod_rule.across_round_off * (c * of[a] + s * of[b]));
+    size[b] = PetscMax(size[b], rod_rule.across_round_off * (c * of[b] + s * of[a]));
   }
 }
 
@@ -214,7 +212,7 @@ static PetscReal Across(const Rod rod, PetscReal reach, const PetscReal size[]) 
   const Pair *place = &rod->model->pair[0], *turn = &rod->model->pair[1];
   const PetscReal push = hypot(rod->oblique[0], rod->oblique[1]);
   PetscReal most =
-      PetscMax(size[place->along], size[place->beside]) / PetscMax(reach, rod_vanished);
+      PetscMax(size[place->along], size[place->beside]) / PetscMax(reach, rod_rule.vanished);
 
   if (rod->model->pairs > 1) most = PetscMax(most, PetscMax(size[turn->along], size[turn->beside]));
   return PetscMax(most, push);
@@ -338,7 +336,6 @@ static void RollByItsArm(const Rod rod, const PetscReal size[], PetscReal scale[
         coordinates
 */
 PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]) {
-  const PetscReal part = 1e-3, otherwise = 1e-4, least = 1e-5; /* round-off is not to drive it */
   PetscReal none[2] = {1, 0}, size[MAX_FIELDS];
 
   PetscFunctionBegin;
@@ -356,12 +353,14 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     PetscReal driven = Driven(rod, rod->model->group[f], axes), unit = RodFieldUnit(rod, f);
     if (!rod->model->followed[f]) continue;
     if (driven > 0)
-      scale[f] = PetscMax(scale[f], part * PetscMax(least, PetscMin(1, driven)) * unit);
+      scale[f] =
+          PetscMax(scale[f], rod_rule.prescribed_part *
+                                 PetscMax(rod_rule.prescribed_least, PetscMin(1, driven)) * unit);
     else if (scale[f] == 0)
-      scale[f] = otherwise * unit;
+      scale[f] = rod_rule.unprescribed_part * unit;
   }
   LeaveBlur(rod, axes, size, scale);
-  TwistAcross(rod, part, scale);
+  TwistAcross(rod, rod_rule.prescribed_part, scale);
   if (rod->model->scale) rod->model->scale(scale);
   RollByItsArm(rod, size, scale);
   if (rod->learned) LearnedScale(rod, scale);

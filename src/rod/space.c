@@ -18,6 +18,7 @@
    its left, the m and n equations of the cell on its right. */
 #include "base/vectors.h"
 #include "rod/space_cells.h"
+#include "rod/rules.h"
 #include <string.h>
 
 /* A point load is smeared over its cell by the formula; what p of the end lacks of that, see
@@ -169,12 +170,11 @@ static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
    out of its plane in which it is, but for round-off, as of one that is twisted there, they drive
    it by their part of those in it. */
 static void SpaceScale(PetscReal size[]) {
-  const PetscReal tilt = size[P + 2] * size[P + 3], part = 0.1, driven = 1e-3,
-                  most = PetscMax(size[M + 1], size[M + 2]);
+  const PetscReal tilt = size[P + 2] * size[P + 3], most = PetscMax(size[M + 1], size[M + 2]);
 
   if (size[M + 1] > 0 && size[M + 2] > 0) {
-    const PetscReal about_2 = driven * (size[M + 1] / most),
-                    about_3 = driven * (size[M + 2] / most);
+    const PetscReal about_2 = rod_rule.across_by_moment * (size[M + 1] / most),
+                    about_3 = rod_rule.across_by_moment * (size[M + 2] / most);
     size[X + 1] = PetscMax(size[X + 1], about_3 * size[X + 2]);
     size[X + 2] = PetscMax(size[X + 2], about_2 * size[X + 1]);
     size[P + 2] = PetscMax(size[P + 2], about_2 * size[P + 3]);
@@ -183,8 +183,8 @@ static void SpaceScale(PetscReal size[]) {
 
   size[P + 1] = PetscMax(size[P + 1], tilt);
   size[M] = PetscMax(size[M], size[M + 1] * size[P + 3] + size[M + 2] * size[P + 2]);
-  size[X + 1] = PetscMax(size[X + 1], part * size[P + 3] * size[X]);
-  size[X + 2] = PetscMax(size[X + 2], part * size[P + 2] * size[X]);
+  size[X + 1] = PetscMax(size[X + 1], rod_rule.across_by_slope * size[P + 3] * size[X]);
+  size[X + 2] = PetscMax(size[X + 2], rod_rule.across_by_slope * size[P + 2] * size[X]);
 }
 
 /* In space a rod that nothing holds may spin about itself. */
@@ -198,11 +198,10 @@ static const char *SpaceRefuses(Scene scene) {
 /* Does the couple of friction jump within cells where the rod stops turning? Not if beta is such
    that it changes along many, nor if growth moves the rod all along. */
 static PetscBool Kinks(Scene scene) {
-  const PetscReal nearly_exact = 1e-6;
   const Load *load = &scene->load;
 
   return (PetscBool)(load->radius > 0 && scene->growth->still &&
-                     (load->limit || load->friction.beta < nearly_exact));
+                     (load->limit || load->friction.beta < rod_rule.couple_jumps));
 }
 
 static PetscErrorCode SpaceCreate(Rod rod) {

@@ -1,5 +1,6 @@
 #include "rod/space_cells.h"
 #include "curve/cell.h"
+#include "rod/rules.h"
 #include <string.h>
 
 static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
@@ -218,7 +219,7 @@ PetscErrorCode SpaceCellsClose(Cell *cell) {
 static PetscBool Splits(const Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Friction *law = &cell->load->friction;
-  const PetscReal *a = cell->a->at.W, *b = cell->b->at.W, *fast = b, resolved = 4, less = 1. / 16,
+  const PetscReal *a = cell->a->at.W, *b = cell->b->at.W, *fast = b,
                   beta = law->beta > 0 ? law->beta : friction_tiny;
   PetscBool *split = &self->split[i + 1 - cell->rod->first];
   PetscReal aa, bb;
@@ -228,8 +229,9 @@ static PetscBool Splits(const Cell *cell, PetscInt i) {
   aa = Dot3(a, a) + a[SPIN] * a[SPIN] + beta;
   bb = Dot3(b, b) + b[SPIN] * b[SPIN] + beta;
   if (aa > bb) fast = a;
-  if (PetscMax(aa, bb) > resolved * beta && Dot3(fast, fast) < less * fast[SPIN] * fast[SPIN] &&
-      (a[SPIN] * b[SPIN] < 0 || aa < less * bb || bb < less * aa))
+  if (PetscMax(aa, bb) > rod_rule.split_resolved * beta &&
+      Dot3(fast, fast) < rod_rule.split_less * fast[SPIN] * fast[SPIN] &&
+      (a[SPIN] * b[SPIN] < 0 || aa < rod_rule.split_less * bb || bb < rod_rule.split_less * aa))
     *split = PETSC_TRUE;
   return *split;
 }

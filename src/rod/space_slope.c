@@ -2,6 +2,7 @@
 #include "base/clones.h"
 #include "base/vectors.h"
 #include "rod/space_cells.h"
+#include "rod/rules.h"
 #include <string.h>
 
 /* The derivatives of f at a point by its unknowns, the velocity and the spin held, and by these. */
@@ -505,7 +506,7 @@ static void Arms(const Point *point, WideArms *arms) {
    turn of e, dp = (0, e) p/2, and a place. */
 static PetscErrorCode BeginSprings(Rod rod, PetscReal t, const Point *first,
                                    PetscReal gives[LEFT][RIGHT]) {
-  const PetscReal softer = 1e6, *p = first->p;
+  const PetscReal *p = first->p;
   const PetscBool is_free = (PetscBool)(rod->scene->clamp == CLAMP_FREE);
   const PetscReal turn[3][4] = {
       {-p[1], p[0], -p[3], p[2]}, {-p[2], p[3], p[0], -p[1]}, {-p[3], -p[2], p[1], p[0]}};
@@ -515,11 +516,12 @@ static PetscErrorCode BeginSprings(Rod rod, PetscReal t, const Point *first,
   PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
   memset(gives, 0, LEFT * sizeof(*gives));
   for (int i = 0; i < 3; i++) {
-    if (is_free) gives[X + i][3 + i] = softer * PetscPowReal(length, 3);
+    if (is_free) gives[X + i][3 + i] = rod_rule.spring_softer * PetscPowReal(length, 3);
     for (int j = 0; j < 3; j++) {
       PetscReal part = is_free ? first->d[0][i] * first->d[0][j] : 0;
       for (int k = 1; k < 3; k++) part += first->d[k][i] * first->d[k][j];
-      for (int k = 0; k < 4; k++) gives[P + k][j] += softer * length * turn[i][k] / 2 * part;
+      for (int k = 0; k < 4; k++)
+        gives[P + k][j] += rod_rule.spring_softer * length * turn[i][k] / 2 * part;
     }
   }
   PetscFunctionReturn(0);

@@ -3,6 +3,7 @@
 #include "base/vectors.h"
 #include "rod/space_cells.h"
 #include "rod/spin_rest.h"
+#include "rod/rules.h"
 #include <string.h>
 
 /* A state on the way along the initial shape: x, its rate by growth without friction, and p. */
@@ -145,10 +146,9 @@ static void InitialNode(PetscInt n, const SpinPlace place[], const PetscReal tur
 /* SpaceInitial - the scene's initial shape at the owned nodes; see RodInitialNodes(). Every rank
    goes along the whole rod, in steps that are much shorter than its cells. */
 PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
-  enum { STEPS = 4000 };
   Scene scene = rod->scene;
   const PetscReal *s = scene->mesh.s;
-  const PetscInt fine = PetscMax(1, STEPS / rod->last), n = rod->last * fine + 1;
+  const PetscInt fine = PetscMax(1, rod_rule.start_steps / rod->last), n = rod->last * fine + 1;
   Shape_ at = {.p = {1}};
   PetscReal *force, *turn;
   SpinPlace *place;

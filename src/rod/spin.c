@@ -1,4 +1,5 @@
 #include "rod/spin.h"
+#include "rod/rules.h"
 
 /* 1/C and natural twist. */
 static PetscErrorCode Twisting(Scene scene, PetscReal s, PetscReal t, PetscReal law[2]) {
@@ -17,7 +18,8 @@ static PetscErrorCode Twisting(Scene scene, PetscReal s, PetscReal t, PetscReal 
    s, by differences: they are small beside those of the moment. Where neither varies along the rod
    they are 0. */
 PetscErrorCode SceneTwistRate(Scene scene, PetscReal s, PetscReal t, TwistRate *rate) {
-  const PetscReal h = 1e-5 * (1 + t), before = PetscMax(0, t - h), after = t + h;
+  const PetscReal h = rod_rule.twist_rate_step * (1 + t), before = PetscMax(0, t - h),
+                  after = t + h;
   PetscReal a[2] = {0}, b[2] = {0};
 
   PetscFunctionBegin;

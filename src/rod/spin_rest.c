@@ -1,4 +1,5 @@
 #include "rod/spin_rest.h"
+#include "rod/rules.h"
 
 /*
   With phi the angle by which the directors have turned about d1,
@@ -79,11 +80,6 @@ static PetscBool Change(Spin *self, PetscReal delta, PetscReal change[]) {
   return PETSC_TRUE;
 }
 
-/* From steps in which the rod hardly turns to Newton's own, and what counts as rest. */
-static const PetscReal first_delta = 1e-2, least_delta = 1e-12, grows = 4, shrinks = 0.1,
-                       farthest = 0.3, rests = 1e-13;
-enum { MOST_CHANGES = 500 };
-
 /*
   SpinRest - the angles by which n places turn about the tangent until they are at rest, the way
   downhill from 0. Not collective.
@@ -99,30 +95,30 @@ enum { MOST_CHANGES = 500 };
 PetscErrorCode SpinRest(PetscInt n, const SpinPlace place[], PetscReal torque, PetscBool held,
                         PetscReal turn[]) {
   Spin self = {.n = n, .place = place, .torque = held ? 0 : torque, .held = held};
-  PetscReal *change, *next, delta = first_delta, energy;
+  PetscReal *change, *next, delta = rod_rule.rest_first, energy;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(turn, n));
   PetscCall(PetscMalloc5(n, &self.slope, n, &self.below, n, &self.diagonal, n, &change, n, &next));
-  for (int k = 0; k < MOST_CHANGES && delta > least_delta; k++) {
+  for (int k = 0; k < rod_rule.rest_steps && delta > rod_rule.rest_least; k++) {
     PetscReal most = 0, lower;
     energy = Energy(&self, turn);
     if (!Change(&self, delta, change)) {
-      delta *= shrinks;
+      delta *= rod_rule.rest_shrinks;
       continue;
     }
     for (PetscInt i = 0; i < n; i++) {
       most = PetscMax(most, PetscAbsReal(change[i]));
       next[i] = turn[i] + change[i];
     }
-    if (!(most > rests)) break;
-    lower = most <= farthest ? Energy(&self, next) : PETSC_MAX_REAL;
+    if (!(most > rod_rule.rest_reached)) break;
+    lower = most <= rod_rule.rest_farthest ? Energy(&self, next) : PETSC_MAX_REAL;
     if (lower > energy + PETSC_SMALL * PetscAbsReal(energy)) {
-      delta *= shrinks;
+      delta *= rod_rule.rest_shrinks;
       continue;
     }
     PetscCall(PetscArraycpy(turn, next, n));
-    delta *= grows;
+    delta *= rod_rule.rest_grows;
   }
   PetscCall(PetscFree5(self.slope, self.below, self.diagonal, change, next));
   PetscFunctionReturn(0);

@@ -2,11 +2,8 @@
 #include "curve/nearest.h"
 #include "rod/directors.h"
 #include "rod/strand_pairs.h"
+#include "rod/rules.h"
 
-/* In space samples are no farther apart than this part of the diameter, where the rod is longest:
-   strands that cross press on each other over half of it, and should feel no kink where one more
-   sample begins to. */
-static const PetscReal fine = 1. / 32;
 enum { MOST_SAMPLES = 32 }; /* of a cell */
 
 /* ---- the curve ---- */
@@ -245,13 +242,10 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
   if (!look->error) look->error = LookFrom(look, j, i);
 }
 
-/* Pairs are kept up to this distance from touching, in diameters, and looked for anew when a node
-   has moved by half of it. */
-static const PetscReal margin = 0.5;
-
 static PetscErrorCode Search(Strands self) {
   Looking look = {.self = self,
-                  .reach = (1 + margin) * self->contact->diameter + self->contact->smooth};
+                  .reach =
+                      (1 + rod_rule.pair_margin) * self->contact->diameter + self->contact->smooth};
   Blocks line;
 
   PetscFunctionBegin;
@@ -282,7 +276,7 @@ PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
 
 /* Has a node moved so far that there may be other pairs? */
 static PetscBool Moved(const struct _Strands *self) {
-  const PetscReal far = PetscSqr(margin * self->contact->diameter / 2);
+  const PetscReal far = PetscSqr(rod_rule.pair_margin * self->contact->diameter / 2);
 
   for (PetscInt i = 0; i <= self->cells; i++) {
     const PetscReal *x = self->joint[i].x, *y = self->seen + 3 * i,
@@ -534,7 +528,8 @@ static PetscErrorCode SamplesOf(Scene scene, PetscInt *each) {
   PetscCall(GrowthArc(scene->growth, cells + 1, scene->mesh.s, scene->end_time, arc, NULL));
   for (PetscInt i = 0; i < cells; i++) longest = PetscMax(longest, arc[i + 1] - arc[i]);
   PetscCall(PetscFree(arc));
-  *each = 1 + (PetscInt)PetscMin(MOST_SAMPLES - 1, longest / (fine * scene->contact.diameter));
+  *each = 1 + (PetscInt)PetscMin(MOST_SAMPLES - 1,
+                                 longest / (rod_rule.sample_distance * scene->contact.diameter));
   PetscFunctionReturn(0);
 }
 

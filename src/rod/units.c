@@ -14,23 +14,7 @@
   All as the run begins: a restarted one has those of the unbroken one.
 */
 #include "rod/rod.h"
-
-/* What friction along the rod is multiplied by is taken where it is least, as the fastest motions
-   are there, but for less than this part of its mean; and friction across is, if it is weaker. */
-static const PetscReal least_part = 1e-6;
-
-/* Friction that is all but none would make the own time nothing: it is at least that part of the
-   run, in which steps of its parts are still steps. */
-static const PetscReal least_own = 1e-12;
-
-/* A rod that friction hardly holds comes to a wall at a speed that no step is to follow: where
-   there is contact steps are short as parts of the time in which it grows by its length, and of
-   this part of the run, at least. */
-static const PetscReal brief_of_run = 1e-5;
-
-/* sqrt(beta) is the speed that friction tells from rest, and so much of the speed at which a rod
-   grows unless it is told. */
-static const PetscReal beta_of_growth = 1e-3;
+#include "rod/rules.h"
 
 /* Of its least and its mean: what friction is multiplied by along the initial shape. unheld: by 0
    somewhere. */
@@ -54,7 +38,7 @@ static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor, PetscBool *unheld)
   PetscCall(PetscFree(nodes));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPIU_REAL, MPI_MIN, rod->scene->comm));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPI_SUM, rod->scene->comm));
-  *factor = PetscMax(least, least_part * sum / (PetscReal)(rod->last + 1));
+  *factor = PetscMax(least, rod_rule.least_friction * sum / (PetscReal)(rod->last + 1));
   *unheld = (PetscBool)(least <= 0);
   if (!(*factor > 0)) *factor = 1; /* there is no friction at all where it begins */
   PetscFunctionReturn(0);
@@ -76,15 +60,15 @@ static PetscErrorCode StiffnessAlong(Scene scene, PetscReal *most) {
 
 /* The speed at which a rod grows, or is fed: the fastest of a table. */
 static PetscErrorCode GrowthOf(Scene scene, PetscReal *speed) {
-  enum { TIMES = 100 };
   const PetscReal all = scene->growth->end_time, /* of a table: whenever the run ends */
       end = all < PETSC_MAX_REAL ? all : scene->end_time;
   PetscReal length, rate;
 
   PetscFunctionBegin;
   *speed = scene->growth->fastest;
-  for (int k = 0; k <= TIMES && !scene->growth->still && scene->growth->fastest == 0; k++) {
-    PetscCall(GrowthLength(scene->growth, end * k / TIMES, &length, &rate));
+  for (int k = 0;
+       k <= rod_rule.times_looked_at && !scene->growth->still && scene->growth->fastest == 0; k++) {
+    PetscCall(GrowthLength(scene->growth, end * k / rod_rule.times_looked_at, &length, &rate));
     *speed = PetscMax(*speed, PetscAbsReal(rate));
   }
   PetscFunctionReturn(0);
@@ -97,7 +81,7 @@ static PetscReal Brief(const struct _Scene *scene, PetscReal own, PetscReal leng
   PetscReal brief = own;
 
   if (LoadIsDry(&scene->load)) return T;
-  if (scene->contact.any) brief = PetscMax(brief, brief_of_run * T);
+  if (scene->contact.any) brief = PetscMax(brief, rod_rule.brief_of_run * T);
   if (scene->contact.any && speed > 0) brief = PetscMax(brief, length / speed);
   return PetscMin(T, brief);
 }
@@ -119,15 +103,16 @@ static PetscErrorCode Find(Rod rod) {
   units->speed = speed > 0 ? speed : L / T; /* what does not grow may be led */
   units->own =
       LoadLeastViscous(load, units->speed) * N * PetscMin(1, load->across) * PetscSqr(L * L) / B;
-  if (units->own > 0) units->own = PetscMax(units->own, least_own * T);
+  if (units->own > 0) units->own = PetscMax(units->own, rod_rule.least_own_time * T);
   units->brief = Brief(scene, units->own, L, speed);
   if (speed > 0) {
     units->length = PetscPowReal(B / (N * (load->viscous * speed + 1 - load->viscous)), 1. / 3);
     units->time = units->length / speed;
   } else {
     units->length = L;
-    units->time =
-        load->viscous > 0 ? units->own : L / (beta > 0 ? PetscSqrtReal(beta / beta_of_growth) : 1);
+    units->time = load->viscous > 0
+                      ? units->own
+                      : L / (beta > 0 ? PetscSqrtReal(beta / rod_rule.beta_of_growth) : 1);
   }
   scene->tip.per_turn = units->stiffness / units->length;
   scene->tip.per_place = units->stiffness / (units->length * units->length * units->length);

@@ -1,41 +1,8 @@
 #include "stepping/controller.h"
 #include "base/compat.h"
 #include "base/extremes.h"
+#include "stepping/rules.h"
 #include <petsc/private/tsimpl.h> /* it takes the place of a TS type's own */
-
-/* Aim at this part of the tolerance: low, so that few steps are rejected. (0.5 at half the
-   tolerance gives the same errors in as many steps, but has 36 rejected where this has 9.) */
-static const PetscReal safety = 0.22;
-/* Where nothing holds a motion back, as the spin of a rod that friction does not feel, a rod that
-   is let go is elsewhere at once: a jump. It shows in an error that a much shorter step (a third at
-   most) does not lessen to this part. Backward Euler carries the rod over, and the history starts
-   anew behind it. */
-static const PetscReal jump_persists = 0.7;
-/* Likewise where a start is out of balance for a step below jump_step of what short steps are part
-   of: an initial layer as fast as that is left unresolved, and crossed in steps that double, up to
-   longest_jump of it. */
-static const PetscReal jump_step = 1e-13, longest_jump = 1e-6;
-/* (In the layer, one whose error is up to so many times the tolerance is tried again shorter: it is
-   all but seen, and to jump on would make the next one blind, and so on without end.) */
-static const PetscReal nearly_seen = 30;
-/* A rod that barely sticks may slip by a little, and stick again in a step that is short enough: in
-   a step below this part of what short steps are part of, such an error is a jump, too. (That of a
-   kink would fall like the step, to a third at most.) */
-static const PetscReal slip_persists = 0.25, slip_step = 1e-8;
-/* Where dry friction holds a part of the rod only, that takes the rod's own time, and the rest
-   none: an error that persists below this part of the time is of the rest, which jumps. */
-static const PetscReal unheld_step = 1e-6;
-/* Below this part of what short steps are part of, or of the time that the rod itself takes, there
-   is nothing but round-off. */
-static const PetscReal smallest = 1e-16;
-static const PetscReal shrink_most = 0.2, grow_most = 2;
-/* A step that cannot be, or that crosses a mode that grows, is cut to this. */
-static const PetscReal cut = 0.3;
-/* The factor is taken or left when that gives so much of the error. */
-static const PetscReal better = 0.5;
-/* It may change by so many e-folds in a step: the tolerance is relative to what the fields are at
-   its beginning, and must still mean something at its end. (Rods of usual length stay below 2.) */
-static const PetscReal most_folds = 4;
 
 /* What short steps are part of. */
 static PetscReal Scale(TS ts, const Controller *self) {
@@ -67,13 +34,6 @@ static PetscErrorCode SolveStage(TS ts, Controller *self, Formula *f) {
   PetscFunctionReturn(0);
 }
 
-/* An error so many times its tolerance is that: its square may be no number. Nor may the error be:
-   that of a field that was 1e-290 and is driven now, or of a factor extrapolated from there. */
-static const PetscReal beyond = 1e100;
-
-/* Where no tolerance is as small as this, no error is beyond: fields are not that large. */
-static const PetscReal minute = 1e-85;
-
 /* Is any tolerance minute? It is looked for when they have changed. Collective. */
 static PetscErrorCode MayBeBeyond(TS ts, Controller *self, PetscBool *may) {
   PetscObjectState state;
@@ -88,7 +48,8 @@ static PetscErrorCode MayBeBeyond(TS ts, Controller *self, PetscBool *may) {
   if (state != self->tolerance_state) {
     PetscCall(VecGetLocalSize(ts->vatol, &n));
     PetscCall(VecGetArrayRead(ts->vatol, &tolerance));
-    for (PetscInt i = 0; i < n && !small; i++) small = PetscAbsReal(tolerance[i]) < minute;
+    for (PetscInt i = 0; i < n && !small; i++)
+      small = PetscAbsReal(tolerance[i]) < step_rule.tolerance_minute;
     PetscCall(VecRestoreArrayRead(ts->vatol, &tolerance));
     PetscCallMPI(
         MPI_Allreduce(MPI_IN_PLACE, &small, 1, MPI_INT, MPI_MAX, PetscObjectComm((PetscObject)ts)));
@@ -115,7 +76,8 @@ static PetscErrorCode IsBeyond(TS ts, Controller *self, Vec U, Vec X, PetscBool 
   PetscCall(VecGetArrayRead(X, &x));
   PetscCall(VecGetArrayRead(ts->vatol, &tolerance));
   for (PetscInt i = 0; i < n; i++)
-    if (!(PetscAbsReal(x[i] - u[i]) <= beyond * PetscAbsReal(tolerance[i]))) far = 1;
+    if (!(PetscAbsReal(x[i] - u[i]) <= step_rule.error_overflows * PetscAbsReal(tolerance[i])))
+      far = 1;
   PetscCall(VecRestoreArrayRead(ts->vatol, &tolerance));
   PetscCall(VecRestoreArrayRead(X, &x));
   PetscCall(VecRestoreArrayRead(U, &u));
@@ -131,7 +93,7 @@ static PetscErrorCode Norm(TS ts, Controller *self, Vec U, PetscReal *norm) {
   PetscBool far;
 
   PetscFunctionBegin;
-  *norm = beyond;
+  *norm = step_rule.error_overflows;
   if (self->measure) {
     PetscCall(VecAXPY(self->work, -1, U));
     PetscCall(self->measure(ts, self->work));
@@ -173,7 +135,7 @@ static PetscErrorCode FirstError(TS ts, Controller *self, Formula *f, PetscReal 
 
 /* The factor by which the step may change for an error e of order q, as a part of the tolerance. */
 static PetscReal StepFactor(PetscReal e, PetscInt q) {
-  return PetscPowReal(safety / PetscMax(e, 1e-14), 1.0 / (q + 1));
+  return PetscPowReal(step_rule.error_aim / PetscMax(e, 1e-14), 1.0 / (q + 1));
 }
 
 /* Would the step of order q, whose error is e, have had a smaller one without the factor, or with
@@ -188,7 +150,7 @@ static PetscErrorCode WithOrWithout(TS ts, Controller *self, Formula *f, PetscIn
   PetscCall(LocalError(ts, self, f, q, &other));
   f->plain = (PetscBool)!f->plain;
   FormulaTakeFactor(f, self->order);
-  if (other < better * e) self->plain_next = (PetscBool)!f->plain;
+  if (other < step_rule.factor_better * e) self->plain_next = (PetscBool)!f->plain;
   PetscFunctionReturn(0);
 }
 
@@ -217,8 +179,8 @@ static PetscErrorCode LookAtHeld(TS ts, Controller *self, Formula *f, PetscBool 
   PetscCall(Error(ts, self, f, &error));
   ts->vatol = all;
   begins = (PetscBool)(!ts->steps && ts->time_step <= self->again);
-  self->placed =
-      (PetscBool)(begins ? error <= nearly_seen : error <= 1 && (self->free || ts->steps > 0));
+  self->placed = (PetscBool)(begins ? error <= step_rule.nearly_resolved
+                                    : error <= 1 && (self->free || ts->steps > 0));
   PetscFunctionReturn(0);
 }
 
@@ -236,14 +198,16 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscCall(Error(ts, self, f, &e));
   *accept = (PetscBool)(e <= 1);
   PetscCall(LookAtHeld(ts, self, f, *accept));
-  persists = (self->placed && !ts->steps) || ts->time_step < slip_step * Scale(ts, self)
-                 ? slip_persists
-                 : jump_persists;
-  self->jumped = (PetscBool)(!*accept && k == 1 &&
-                             (e > persists * self->rejected ||
-                              (ts->time_step < self->layer && (f->n == 1 || e > nearly_seen))));
-  if (self->again > 0 ? !self->placed && !(self->unheld && ts->time_step < unheld_step * self->own)
-                      : self->resolves && ts->steps > 0 && ts->time_step >= self->layer) {
+  persists = (self->placed && !ts->steps) || ts->time_step < step_rule.slip_step * Scale(ts, self)
+                 ? step_rule.slip_persists
+                 : step_rule.jump_persists;
+  self->jumped =
+      (PetscBool)(!*accept && k == 1 &&
+                  (e > persists * self->rejected ||
+                   (ts->time_step < self->layer && (f->n == 1 || e > step_rule.nearly_resolved))));
+  if (self->again > 0
+          ? !self->placed && !(self->unheld && ts->time_step < step_rule.unheld_step * self->own)
+          : self->resolves && ts->steps > 0 && ts->time_step >= self->layer) {
     self->snaps = self->jumped;
     self->jumped = PETSC_FALSE;
   }
@@ -268,16 +232,13 @@ static PetscErrorCode Choose(TS ts, Controller *self, Formula *f, PetscBool *acc
   PetscCall(WithOrWithout(ts, self, f, k, e));
   if (best != k) self->since = 0;
   self->order = best;
-  *factor = PetscMax(shrink_most, PetscMin(*factor, *accept ? grow_most : 0.9));
+  *factor = PetscMax(step_rule.shrink_most, PetscMin(*factor, *accept ? step_rule.grow_most : 0.9));
   PetscCall(PetscInfo(
       ts, "t %g dt %g order %d error %g (lower %g, higher %g) %s, next order %d, step times %g\n",
       (double)f->now, (double)ts->time_step, (int)k, (double)e, (double)lower, (double)higher,
       *accept ? "accepted" : "rejected", (int)best, (double)*factor));
   PetscFunctionReturn(0);
 }
-
-/* A time that is nearer than this part of the run's end is met. */
-static const PetscReal met = 1e-12;
 
 /* Keeps the step within the limits and lets the last ones before a time at which a step has to end,
    the final one, say, end there. (One that is as long as what is left is the last: PETSc cuts the
@@ -291,7 +252,7 @@ static PetscErrorCode LimitStep(TS ts, Controller *self) {
   ts->time_step = PetscMin(ts->time_step, most);
   end = match ? ts->max_time : PETSC_MAX_REAL;
   if (self->next_end && !self->fixed)
-    end = SmallerOf(end, self->next_end(ts, ts->ptime + met * ts->max_time));
+    end = SmallerOf(end, self->next_end(ts, ts->ptime + step_rule.end_met * ts->max_time));
   left = end - ts->ptime - self->late;
   if (ts->time_step >= PetscMin(left, end - ts->ptime))
     ts->time_step = left;
@@ -315,15 +276,15 @@ static void BeginTry(TS ts, Controller *self, Formula *f) {
   f->plain = self->plain_next;
   FormulaTakeFactor(f, self->order);
   folds = FormulaFolds(f);
-  if (self->fixed || folds <= most_folds) return;
-  ts->time_step *= most_folds / folds;
+  if (self->fixed || folds <= step_rule.factor_change) return;
+  ts->time_step *= step_rule.factor_change / folds;
   TakeStep(ts, self, f);
   FormulaTakeFactor(f, self->order);
 }
 
 /* A step that is no step. */
 static PetscReal Smallest(TS ts, const Controller *self) {
-  return smallest * (self->own > 0 ? self->own : Scale(ts, self));
+  return step_rule.smallest_step * (self->own > 0 ? self->own : Scale(ts, self));
 }
 
 /* After a rejection: a shorter step; after several, a fresh start from the last point alone,
@@ -444,7 +405,7 @@ static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
   PetscCall(Solve(ts, self, f, &solved));
   self->taken_order = self->order;
   PetscCall(VecNorm(f->point[0], NORM_1, &size));
-  if (!(size < beyond)) solved = DIVERGED_NAN;
+  if (!(size < step_rule.error_overflows)) solved = DIVERGED_NAN;
   PetscCall(Check(ts, self, f, &solved));
   *outcome = TRY_UNSOLVED;
   self->snaps = (PetscBool)(solved < 0);
@@ -469,7 +430,7 @@ static PetscErrorCode Cut(TS ts, Controller *self, Formula *f, PetscInt attempt,
       (unsolved && ts->max_snes_failures >= 0 && ts->num_snes_failures > ts->max_snes_failures))
     ts->reason = unsolved ? TS_DIVERGED_NONLINEAR_SOLVE : TS_DIVERGED_STEP_REJECTED;
   else
-    PetscCall(Retry(ts, self, f, attempt, cut));
+    PetscCall(Retry(ts, self, f, attempt, step_rule.failed_cut));
   PetscFunctionReturn(0);
 }
 
@@ -505,7 +466,7 @@ static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
   self->jumped = self->look = PETSC_FALSE;
   self->before = 0;
-  self->layer = PetscMax(self->layer, jump_step * Scale(ts, self));
+  self->layer = PetscMax(self->layer, step_rule.jump_step * Scale(ts, self));
   self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !f->given) f->n = 0;
   if (!f->given && !ts->steprollback) PetscCall(FormulaPush(f, ts->vec_sol));
@@ -523,7 +484,7 @@ static void Pass(TS ts, Controller *self, Formula *f) {
   self->late = step - (f->now - before);
   f->done = PETSC_TRUE;
   if (ts->exact_final_time == TS_EXACTFINALTIME_MATCHSTEP &&
-      PetscAbsReal(ts->max_time - ts->ptime) < met * ts->max_time) {
+      PetscAbsReal(ts->max_time - ts->ptime) < step_rule.end_met * ts->max_time) {
     ts->ptime = ts->max_time;
     self->late = 0;
   }
@@ -540,7 +501,7 @@ static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal fac
     factor = 1;
     if (ts->time_step < self->layer) {
       factor = 2;
-      self->layer = PetscMin(2 * self->layer, longest_jump * Scale(ts, self));
+      self->layer = PetscMin(2 * self->layer, step_rule.longest_jump * Scale(ts, self));
     }
   }
   PetscCall(VecCopy(f->point[0], ts->vec_sol));

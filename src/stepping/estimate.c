@@ -5,6 +5,8 @@
 #include "rod/coarse.h"
 #include "rod/learned.h"
 #include "stepping/vbdf.h"
+#include "stepping/rules.h"
+#include "rod/rules.h"
 
 /*
   The state U of a run fails the exact equations F(t, u, u_t) = 0 by a defect d in space
@@ -22,17 +24,16 @@
   moves far in one. The parts, in space, in time and so on, are carried along each for itself. What
   is told is the error that they make in the tip's place (over its distance), |x2| and the energy
   (each over itself): that of the latest state, and the largest so far.
+
+  An error that grows as exp(gamma t) grows by 1/(1 - gamma h) in a step h of backward Euler,
+  without bound where h is 1/gamma; in m parts of it by (1 - gamma h/m)^-m, which is near exp(gamma
+  h) there, and has its pole elsewhere. So in contact, where modes grow between two such steps (a
+  wave that buckles in a tube), a step by which an error grows much is taken again in parts, and
+  what is less of both counts.
 */
-enum { LEAST_CELLS = 8, CELLS = 48 }; /* of the run; of the coarse mesh, about */
-enum { SELDOM = 4 };  /* steps from one time to the next, while straight or in contact */
-enum { DEFECTS = 2 }; /* such times from one measurement of defects to the next */
-static const PetscReal longest = 0.8;  /* arc length of a coarse cell, where the mesh allows */
-static const PetscReal straight = 0.3; /* angle */
-static const PetscReal kink_error = 3; /* of the local error of a step that is not smooth in time */
-static const PetscReal alike = 1e3;    /* sizes across in both directions, up to this ratio */
-static const PetscReal early = 0.01;   /* of the run: what the start does is over by then */
-static const PetscReal none = -1; /* of an error over what it is an error of, where that is not */
-static const PetscReal nudge = 1e-3; /* of the speed at which friction turns, of beta, of k */
+
+/* Of an error over what it is an error of, where that is not. */
+static const PetscReal unknown = -1;
 
 /* What is gathered of the coarse nodes, node after node: the state, its rate, the defect of the
    cell behind; of the fields that have rates, which come first, local errors since the errors were
@@ -69,6 +70,7 @@ struct _Estimate {
   KSP ksp;
   Vec U, rate, nudged, F, G;
   PetscReal *e[ESTIMATE_PARTS], *rhs, *b;
+  PetscReal *begun[ESTIMATE_PARTS], *once[ESTIMATE_PARTS]; /* before a step, behind it as a whole */
 };
 
 static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
@@ -90,12 +92,12 @@ static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
 static PetscInt Stride(const Estimate self, PetscReal reach) {
   const Rod rod = self->leg->rod;
   const PetscReal h = reach / rod->last, half = RodLayer(rod) / 2;
-  PetscInt most = rod->last / CELLS;
-  PetscReal length = longest;
+  PetscInt most = rod->last / step_rule.estimate_cells;
+  PetscReal length = step_rule.estimate_longest;
 
   if (self->touches) {
     if (2 * h > half) return 1;
-    length = PetscMin(longest, half);
+    length = PetscMin(step_rule.estimate_longest, half);
     most = rod->last;
   }
   return 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
@@ -123,6 +125,8 @@ static PetscErrorCode CreateMatrix(Estimate self) {
 
 /* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
 static PetscErrorCode CreateCoarse(Estimate self) {
+  const PetscInt n = self->nodes * self->fields;
+
   PetscFunctionBegin;
   PetscCall(RodCoarsen(self->leg->rod, self->nodes, self->stride, self->touches, &self->rod));
   if (self->rod->coupled)
@@ -136,9 +140,8 @@ static PetscErrorCode CreateCoarse(Estimate self) {
   PetscCall(VecDuplicate(self->U, &self->F));
   PetscCall(VecDuplicate(self->U, &self->G));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
-    PetscCall(PetscCalloc1(self->nodes * self->fields, &self->e[part]));
-  PetscCall(
-      PetscCalloc2(self->nodes * self->fields, &self->rhs, self->nodes * self->fields, &self->b));
+    PetscCall(PetscCalloc3(n, &self->e[part], n, &self->begun[part], n, &self->once[part]));
+  PetscCall(PetscCalloc2(n, &self->rhs, n, &self->b));
   PetscCall(CreateGathered(self, &self->all));
   PetscFunctionReturn(0);
 }
@@ -150,7 +153,8 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscCall(VecDestroy(&self->nudged));
   PetscCall(VecDestroy(&self->F));
   PetscCall(VecDestroy(&self->G));
-  for (int part = 0; part < ESTIMATE_PARTS; part++) PetscCall(PetscFree(self->e[part]));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(PetscFree3(self->e[part], self->begun[part], self->once[part]));
   PetscCall(PetscFree2(self->rhs, self->b));
   PetscCall(PetscFree(self->all.u));
   PetscCall(EliminationDestroy(&self->elimination));
@@ -184,7 +188,8 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
 
   PetscFunctionBegin;
   *estimate = NULL;
-  if (!leg->rod->model->defect || leg->rod->last < LEAST_CELLS) PetscFunctionReturn(0);
+  if (!leg->rod->model->defect || leg->rod->last < step_rule.estimate_least_cells)
+    PetscFunctionReturn(0);
   PetscCall(PetscNew(&self));
   *estimate = self;
   self->leg = leg;
@@ -265,12 +270,13 @@ static PetscErrorCode LookAtLayer(Estimate self, PetscReal t) {
 
 /* By how much a size has changed. */
 static PetscReal Ratio(PetscReal now, PetscReal before) {
-  return now > rod_vanished && before > rod_vanished ? now / before : 1;
+  return now > rod_rule.vanished && before > rod_rule.vanished ? now / before : 1;
 }
 
 static PetscBool Alike(const PetscReal size[MIRRORS]) {
-  return (PetscBool)(PetscMin(size[0], size[1]) > rod_vanished &&
-                     PetscMax(size[0], size[1]) < alike * PetscMin(size[0], size[1]));
+  return (PetscBool)(PetscMin(size[0], size[1]) > rod_rule.vanished &&
+                     PetscMax(size[0], size[1]) <
+                         step_rule.alike_across * PetscMin(size[0], size[1]));
 }
 
 /* By how much the fields of each group have changed, as far as x2 and x3 tell. */
@@ -359,7 +365,7 @@ static PetscErrorCode MeasureDefect(Estimate self, const PetscReal across[MIRROR
         self->own.defect[k * fields + f] *= ratio[self->model->group[f]];
     PetscFunctionReturn(0);
   }
-  self->until = DEFECTS - 1;
+  self->until = step_rule.defects_every - 1;
   PetscCall(TSGetTime(self->leg->ts, &t));
   at = (RodState){.t = t, .U = self->leg->U, .U_t = self->leg->newton.latest.U_t};
   PetscCall(rod->model->defect(rod, &at, self->defect));
@@ -403,7 +409,7 @@ static PetscReal SizeOf(const Estimate self, PetscInt f, PetscReal *rate) {
   *rate = 0;
   for (PetscInt i = f; i < self->nodes * self->fields; i += self->fields)
     most = PetscMax(most, PetscAbsReal(self->all.u[i]));
-  if (most <= rod_vanished) return 0;
+  if (most <= rod_rule.vanished) return 0;
   for (PetscInt i = f; i < self->nodes * self->fields; i += self->fields) {
     sum += PetscSqr(self->all.u[i] / most);
     by_rate += self->all.u[i] / most * (self->all.rate[i] / most);
@@ -493,10 +499,11 @@ static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(self->rhs, n));
   for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(self->b[i]));
-  if (most <= rod_vanished) PetscFunctionReturn(0);
+  if (most <= rod_rule.vanished) PetscFunctionReturn(0);
   if (RodIsViscous(self->rod))
     for (PetscInt i = 0; i < n; i++) fastest = PetscMax(fastest, PetscAbsReal(self->all.rate[i]));
-  scale = nudge * PetscMax(fastest, PetscSqrtReal(beta > 0 ? beta : friction_tiny)) / most;
+  scale = step_rule.derivative_step *
+          PetscMax(fastest, PetscSqrtReal(beta > 0 ? beta : friction_tiny)) / most;
   PetscCall(VecCopy(self->rate, self->nudged));
   PetscCall(VecGetArray(self->nudged, (PetscScalar **)&rate));
   for (PetscInt i = 0; i < n; i++) rate[i] += scale * self->b[i];
@@ -527,12 +534,13 @@ static PetscErrorCode SubtractChange(Estimate self, PetscReal t, CoarseNumber nu
 
   PetscFunctionBegin;
   PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
-  (void)RodCoarseSet(self->rod, number, (1 + nudge) * taken);
+  (void)RodCoarseSet(self->rod, number, (1 + step_rule.derivative_step) * taken);
   PetscCall(self->model->residual(self->rod, &at, self->G));
   (void)RodCoarseSet(self->rod, number, taken);
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
-  for (PetscInt i = 0; i < self->nodes * self->fields; i++) self->rhs[i] -= (G[i] - F[i]) / nudge;
+  for (PetscInt i = 0; i < self->nodes * self->fields; i++)
+    self->rhs[i] -= (G[i] - F[i]) / step_rule.derivative_step;
   PetscCall(VecRestoreArrayRead(self->F, &F));
   PetscCall(VecRestoreArrayRead(self->G, &G));
   PetscFunctionReturn(0);
@@ -554,22 +562,19 @@ static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
   PetscFunctionReturn(0);
 }
 
-/* What is this part of what a rod is steered to is next to nothing: at first it is all error. */
-static const PetscReal at_first = 1e-6;
-
 /* What an error makes of |x2|, and of |x3| in space, over the larger one; none: the rod is
    straight. */
 static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal *e) {
   const PetscReal *s = self->rod->s, *u = self->all.u;
   const PetscInt last = self->nodes - 1, fields = self->fields;
-  const PetscReal least =
-      PetscMax(rod_vanished, at_first * RodSteeredTo(self->rod) * length * length);
+  const PetscReal least = PetscMax(
+      rod_rule.vanished, step_rule.steering_at_first * RodSteeredTo(self->rod) * length * length);
   PetscReal norm[MIRRORS] = {0}, by[MIRRORS] = {0}, size = least, most, off = 0;
 
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 1; d <= self->mirrors; d++)
       size = PetscMax(size, PetscAbsReal(u[k * fields + d]));
-  if (size == least) return none;
+  if (size == least) return unknown;
   for (PetscInt k = 0; k <= last; k++)
     for (PetscInt d = 0; d < self->mirrors; d++) {
       const PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2,
@@ -589,7 +594,7 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
   const PetscReal *s = self->rod->s;
   const PetscInt last = self->nodes - 1, fields = self->fields,
                  moments = self->model->space ? 3 : 1;
-  PetscReal energy = 0, by = 0, size = rod_vanished, length;
+  PetscReal energy = 0, by = 0, size = rod_rule.vanished, length;
 
   PetscFunctionBegin;
   *change = 0;
@@ -606,10 +611,11 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
     }
   }
   PetscCall(RodLength(self->rod, t, &length));
-  if (size == rod_vanished ||
-      energy / 2 * size * size < PetscMax(RodRounding(self->rod, length),
-                                          at_first * PetscSqr(RodSteeredTo(self->rod)) * length)) {
-    *seen = none;
+  if (size == rod_rule.vanished ||
+      energy / 2 * size * size <
+          PetscMax(RodRounding(self->rod, length),
+                   step_rule.steering_at_first * PetscSqr(RodSteeredTo(self->rod)) * length)) {
+    *seen = unknown;
     PetscFunctionReturn(0);
   }
   *seen = PetscAbsReal(by / energy);
@@ -630,7 +636,7 @@ static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
     change[RIGID_TIP + d] = e[tip + d];
     distance = hypot(distance, self->all.u[tip + d]);
   }
-  seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_vanished);
+  seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_rule.vanished);
   seen[ESTIMATE_NORM] = SeeNorm(self, length, e);
   PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY], &change[RIGID_ENERGY]));
   PetscFunctionReturn(0);
@@ -638,7 +644,7 @@ static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
 
 /* EstimateIsEarly - is an error of this kind at t one of a start, which does not count? */
 PetscBool EstimateIsEarly(Estimate self, PetscReal t, int k) {
-  return (PetscBool)(t - self->began[k] <= early * RodEndTime(self->leg->rod));
+  return (PetscBool)(t - self->began[k] <= step_rule.estimate_early * RodEndTime(self->leg->rod));
 }
 
 /* Beyond 1 an error is no small one any more, and the linear equations say nothing. What was seen
@@ -660,10 +666,10 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     PetscReal *worst = &self->worst[part][k], told;
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
-    if (seen[k] == none) self->began[k] = t;
+    if (seen[k] == unknown) self->began[k] = t;
     if (began[k] == 0 || !EstimateIsEarly(self, t, k)) most = PetscMax(most, seen[k]);
-    told = seen[k] == none ? 0 : PetscMin(1, seen[k]);
-    if (seen[k] == none)
+    told = seen[k] == unknown ? 0 : PetscMin(1, seen[k]);
+    if (seen[k] == unknown)
       start[k] = 0;
     else if (EstimateIsEarly(self, t, k))
       start[k] = PetscMax(told, start[k] * (self->before - began[k]) / (t - began[k]));
@@ -678,8 +684,8 @@ static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
 
 /* Not more than e^30 up or down in a step. */
 static PetscReal Limited(PetscReal ratio) {
-  const PetscReal most_folds = 30;
-  return PetscExpReal(PetscMax(-most_folds, PetscMin(most_folds, PetscLogReal(ratio))));
+  return PetscExpReal(PetscMax(-step_rule.estimate_change,
+                               PetscMin(step_rule.estimate_change, PetscLogReal(ratio))));
 }
 
 /* The errors of a part as they are at t, if they go along with the material: in place. */
@@ -698,24 +704,103 @@ static PetscErrorCode CarryErrors(Estimate self, PetscReal t, int part) {
   PetscFunctionReturn(0);
 }
 
-/* b = minus the errors that the step begins with, over its length. */
-static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], PetscReal step) {
+/* b = minus the errors that a part of a step begins with, over its length; those of the run's steps
+   come in the first. */
+static void TakeErrors(Estimate self, int part, const PetscReal ratio[GROUPS], PetscReal step,
+                       PetscBool first) {
   const PetscInt fields = self->fields, followed = self->followed;
 
   for (PetscInt k = 0; k < self->nodes; k++)
     for (PetscInt f = 0; f < followed; f++) {
       if (!HasRate(self, f)) continue;
-      PetscReal e = self->e[part][k * fields + f] * Limited(ratio[self->model->group[f]]);
-      if (part == ESTIMATE_TIME)
+      PetscReal e = self->e[part][k * fields + f] * ratio[self->model->group[f]];
+      if (part == ESTIMATE_TIME && first)
         e += self->all.local[k * followed + f] + self->all.skipped[k * followed + f];
       self->b[k * fields + f] = -e / step;
     }
 }
 
-/* A step of backward Euler from before to t. (A'/A is that at t: with its mean over the step, which
-   is another where the rate changes, errors would rise or fall against x2.) */
+/* All errors, over a step to t in equal parts; rate and ratio: of |x2| and |x3|, at its end and
+   over it. (A'/A is that at t: with its mean over the step, which is another where the rate
+   changes, errors would rise or fall against x2.) */
+static PetscErrorCode StepErrors(Estimate self, PetscReal t, PetscInt parts,
+                                 const PetscReal rate[MIRRORS], const PetscReal ratio[GROUPS]) {
+  const PetscReal step = (t - self->before) / (PetscReal)parts;
+  PetscReal shift[MAX_FIELDS], each[GROUPS];
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < self->fields; f++) {
+    shift[f] = 1 / step;
+    for (int k = 0; k < MIRRORS; k++)
+      if (self->model->group[f] & 1 << k) shift[f] += rate[k];
+  }
+  for (int g = 0; g < GROUPS; g++)
+    each[g] =
+        parts == 1 ? Limited(ratio[g]) : PetscPowReal(Limited(ratio[g]), 1 / (PetscReal)parts);
+  PetscCall(Linearise(self, t, shift));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    for (PetscInt i = 0; i < parts && Errs(self, part); i++) {
+      if (i == 0) PetscCall(CarryErrors(self, t, part));
+      TakeErrors(self, part, each, step, (PetscBool)(i == 0));
+      PetscCall(TimesRate(self, t));
+      PetscCall(SubtractSource(self, t, part));
+      PetscCall(Solve(self, self->e[part]));
+    }
+  PetscFunctionReturn(0);
+}
+
+/* The largest error at t, and does any grow much, to more than is asked of a step? */
+static PetscErrorCode Largest(const Estimate self, PetscReal t, PetscReal *largest,
+                              PetscBool *grows) {
+  PetscReal seen[ESTIMATE_SEEN] = {0}, change[RIGID_VALUES];
+
+  PetscFunctionBegin;
+  *largest = 0;
+  *grows = PETSC_FALSE;
+  for (int part = 0; part < ESTIMATE_PARTS; part++) {
+    if (!Errs(self, part)) continue;
+    PetscCall(See(self, t, self->e[part], seen, change));
+    for (int k = 0; k < ESTIMATE_SEEN; k++) {
+      if (PetscIsInfOrNanReal(seen[k])) seen[k] = PETSC_MAX_REAL;
+      if (seen[k] > PetscMax(step_rule.estimate_growth * self->now[part][k], self->leg->rtol))
+        *grows = PETSC_TRUE;
+      *largest = PetscMax(*largest, seen[k]);
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CopyErrors(const Estimate self, PetscReal *const from[ESTIMATE_PARTS],
+                                 PetscReal *const to[ESTIMATE_PARTS]) {
+  PetscFunctionBegin;
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    PetscCall(PetscArraycpy(to[part], from[part], self->nodes * self->fields));
+  PetscFunctionReturn(0);
+}
+
+/* ... in which none grows by more than it may (see above). */
+static PetscErrorCode StepWhatGrows(Estimate self, PetscReal t, const PetscReal rate[MIRRORS],
+                                    const PetscReal ratio[GROUPS]) {
+  PetscReal once, again;
+  PetscBool grows;
+
+  PetscFunctionBegin;
+  if (self->touches) PetscCall(CopyErrors(self, self->e, self->begun));
+  PetscCall(StepErrors(self, t, 1, rate, ratio));
+  if (!self->touches) PetscFunctionReturn(0);
+  PetscCall(Largest(self, t, &once, &grows));
+  if (!grows) PetscFunctionReturn(0);
+  PetscCall(CopyErrors(self, self->e, self->once));
+  PetscCall(CopyErrors(self, self->begun, self->e));
+  PetscCall(StepErrors(self, t, step_rule.estimate_parts, rate, ratio));
+  PetscCall(Largest(self, t, &again, &grows));
+  if (again > once) PetscCall(CopyErrors(self, self->once, self->e));
+  PetscFunctionReturn(0);
+}
+
+/* From before to t. */
 static PetscErrorCode Advance(Estimate self, PetscReal t) {
-  PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS], step = t - self->before, shift[MAX_FIELDS];
+  PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS];
 
   PetscFunctionBegin;
   Sizes(self, size, rate);
@@ -723,28 +808,16 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
   RodCoarseFollow(self->rod, self->leg->rod);
   PetscCall(PutState(self));
-  for (PetscInt f = 0; f < self->fields; f++) {
-    shift[f] = 1 / step;
-    for (int k = 0; k < MIRRORS; k++)
-      if (self->model->group[f] & 1 << k) shift[f] += rate[k];
-  }
-  PetscCall(Linearise(self, t, shift));
-  for (int part = 0; part < ESTIMATE_PARTS; part++) {
-    if (!Errs(self, part)) continue;
-    PetscCall(CarryErrors(self, t, part));
-    TakeErrors(self, part, ratio, step);
-    PetscCall(TimesRate(self, t));
-    PetscCall(SubtractSource(self, t, part));
-    PetscCall(Solve(self, self->e[part]));
-    PetscCall(Keep(self, t, part));
-  }
+  PetscCall(StepWhatGrows(self, t, rate, ratio));
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    if (Errs(self, part)) PetscCall(Keep(self, t, part));
   PetscFunctionReturn(0);
 }
 
 /* How far the rod is from straight: the angle of its steepest place. */
 static PetscReal Angle(const Estimate self, const PetscReal size[MAX_FIELDS]) {
-  const PetscInt p2 = 5; /* x, and p0 and p1 before it */
-  return self->model->space ? 2 * hypot(size[p2], size[p2 + 1]) : size[self->left - 1];
+  enum { P2 = 5 }; /* x, and p0 and p1 before it */
+  return self->model->space ? 2 * hypot(size[P2], size[P2 + 1]) : size[self->left - 1];
 }
 
 /*
@@ -763,8 +836,8 @@ static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
   PetscCall(TSGetStepRejections(self->leg->ts, &rejected));
   kink = (PetscBool)(rejected > self->rejected && !self->touches);
   self->rejected = rejected;
-  *times_error = kink ? kink_error : 1;
-  self->watch = kink ? SELDOM : PetscMax(0, self->watch - 1);
+  *times_error = kink ? step_rule.kink_error : 1;
+  self->watch = kink ? step_rule.estimate_every : PetscMax(0, self->watch - 1);
   if (!kink || !self->since) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < count; i++) {
     self->own.skipped[i] += self->own.local[i];
@@ -776,8 +849,8 @@ static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
 
 /* Is it too early to step e again? */
 static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MAX_FIELDS]) {
-  return (PetscBool)(self->since < SELDOM && !self->watch &&
-                     (self->touches || Angle(self, size) < straight) &&
+  return (PetscBool)(self->since < step_rule.estimate_every && !self->watch &&
+                     (self->touches || Angle(self, size) < step_rule.estimate_straight) &&
                      t < RodEndTime(self->leg->rod));
 }
 

@@ -1,10 +1,6 @@
 #include "stepping/formula.h"
 #include "base/lagrange.h"
-
-/* A field smaller than this is round-off. */
-static const PetscReal vanished = 1e-280;
-/* Fields across in two directions are of like size up to this ratio. */
-static const PetscReal alike = 1e3;
+#include "stepping/rules.h"
 
 /* FormulaSetUp - makes the vectors, like U, that are not there yet. Collective. */
 PetscErrorCode FormulaSetUp(Formula *self, Vec U) {
@@ -57,9 +53,7 @@ static PetscReal FactorRate(const Formula *self, int k, PetscReal t) {
    them their polynomial says what is no number. (Steps change the factor by 4 folds at most,
    controller.c: what is beyond this is an error, and shows as one.) */
 static PetscReal Within(PetscReal folds) {
-  const PetscReal most = 100;
-
-  return PetscMax(-most, PetscMin(folds, most));
+  return PetscMax(-step_rule.factor_extrapolated, PetscMin(folds, step_rule.factor_extrapolated));
 }
 
 /* A(t)/A(t_j) of m points from first on */
@@ -87,7 +81,7 @@ static PetscBool Common(const Formula *self) {
   const PetscReal *size = self->size[1];
 
   return (PetscBool)(size[0] > PETSC_MIN_REAL && size[1] > PETSC_MIN_REAL &&
-                     PetscAbsReal(size[0] - size[1]) < PetscLogReal(alike));
+                     PetscAbsReal(size[0] - size[1]) < PetscLogReal(step_rule.alike_across));
 }
 
 /* Are the fields of a factor but round-off? The factor would be what that does. */
@@ -141,7 +135,7 @@ static PetscErrorCode SizeOfFactor(const Formula *self, Vec U, int k, PetscReal 
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt i = f; i < n; i += self->fields) most = PetscMax(most, PetscAbsScalar(u[i]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPIU_REAL, MPI_MAX, comm));
-  for (PetscInt i = f; i < n && most > vanished; i += self->fields)
+  for (PetscInt i = f; i < n && most > step_rule.field_vanished; i += self->fields)
     sum += PetscSqr(PetscRealPart(u[i]) / most);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPI_SUM, comm));
   PetscCall(VecRestoreArrayRead(U, &u));

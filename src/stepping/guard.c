@@ -5,6 +5,7 @@
 #include "rod/passing.h"
 #include "stepping/leg.h"
 #include "stepping/vbdf.h"
+#include "stepping/rules.h"
 
 /* All nodes of a state on rank 0, NULL on the others; the caller frees them. Collective. */
 static PetscErrorCode NodesOnZero(Rod rod, PetscReal t, Vec U, Node **nodes) {
@@ -69,9 +70,6 @@ static PetscErrorCode PassesItself(Rod rod, PetscReal t0, PetscReal t1, Vec U0, 
   PetscFunctionReturn(0);
 }
 
-/* So many states between the ends of a step are looked at. */
-enum { BETWEEN = 3 };
-
 /* Has the rod brushed a wall on its way: was it in one that it touches neither before nor now,
    deeper than a step may err? What lies between is what the step itself says (its dense output).
  */
@@ -89,8 +87,8 @@ static PetscErrorCode Brushes(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U
     PetscCall(RodLength(rod, t1, &length));
     PetscCall(DMGetGlobalVector(rod->da, &U));
     PetscCall(DMGetGlobalVector(rod->da, &U_t));
-    for (int k = 1; k <= BETWEEN && !*brushes; k++) {
-      const PetscReal t = t0 + k * (t1 - t0) / (BETWEEN + 1);
+    for (int k = 1; k <= step_rule.states_between && !*brushes; k++) {
+      const PetscReal t = t0 + k * (t1 - t0) / (step_rule.states_between + 1);
       PetscCall(VBDFInterpolate(ts, t, U, U_t, &done));
       PetscCall(BrushDepth(rod, t, U, &brush, &depth));
       *brushes = (PetscBool)(depth > leg->rtol * length);

@@ -4,19 +4,8 @@
 #include "rod/learned.h"
 #include "stepping/guard.h"
 #include "stepping/vbdf.h"
-
-/* Local errors add up, in the decay and growth of x2 even with one sign: a step gets at most this
-   part of the tolerance, and aims at a fifth of it. */
-static const PetscReal share_of_step = 0.3;
-
-/* A rod in friction goes downhill: its rates are real, or nearly so, and the formula of order 6 is
-   stable for them. */
-enum { HIGHEST_ORDER = 6 };
-
-/* A rod that is steered sets out from a shape of no size, in a layer of no width: no step from
-   there, however short, is right to a part of what it was before, or of what it leads to. So its
-   fields count as at least this part of what the largest of its strains would make them. */
-static const PetscReal of_steering = 1e-6;
+#include "stepping/rules.h"
+#include "rod/rules.h"
 
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
@@ -29,11 +18,12 @@ static PetscErrorCode SetTolerance(Leg *leg) {
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < fields; f++) {
-    const PetscReal least = rod_vanished * RodFieldUnit(leg->rod, f);
+    const PetscReal least = rod_rule.vanished * RodFieldUnit(leg->rod, f);
     most[f] = leg->rod->model->followed[f]
-                  ? share_of_step *
+                  ? step_rule.step_share *
                         PetscMax(leg->ease.times * leg->rtol *
-                                     PetscMax(leg->size[f], of_steering * RodSteered(leg->rod, f)),
+                                     PetscMax(leg->size[f],
+                                              step_rule.steering_floor * RodSteered(leg->rod, f)),
                                  least)
                   : -1;
   }
@@ -62,7 +52,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
   PetscCall(RodBlurred(leg->rod, leg->U, least));
   for (int d = 0; d < MIRRORS; d++)
-    least[d] = PetscMax(least[d], rod_vanished * RodUnits(leg->rod)->length);
+    least[d] = PetscMax(least[d], rod_rule.vanished * RodUnits(leg->rod)->length);
   PetscCall(VBDFSetLeast(ts, least));
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (t >= leg->kick_ends) leg->kick[f] = 0;
@@ -74,20 +64,13 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* What an oblique wall does to a rod that is straight, or all but, is no part of what it was
-   before: no step that ends behind such a kick is right to a part of that, however short. So where
-   a try of a step ends with a field this part of which is more than it was, it counts as if it had
-   been that, until the time is over that the try was to cross. (A mode that grows does so by e^4 in
-   a step at most.) */
-static const PetscReal kicked = 1e-4;
-
 static PetscErrorCode LookForKick(Leg *leg, PetscReal end, const PetscReal size[]) {
   PetscBool kick = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
-    if (!leg->rod->model->followed[f] || kicked * size[f] <= leg->size[f]) continue;
-    leg->kick[f] = leg->size[f] = kicked * size[f];
+    if (!leg->rod->model->followed[f] || step_rule.wall_onset * size[f] <= leg->size[f]) continue;
+    leg->kick[f] = leg->size[f] = step_rule.wall_onset * size[f];
     leg->kick_ends = PetscMax(end, leg->kick_ends);
     kick = PETSC_TRUE;
   }
@@ -133,7 +116,6 @@ static PetscErrorCode FirmFromTheStart(TS ts, Rod rod) {
    so deep in a wall that this is to be firmer; and was it kicked? */
 static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                PetscBool *impossible) {
-  const PetscReal round_off = 1.01; /* and the mesh's error */
   PetscReal size[MAX_FIELDS], length;
   PetscInt step;
   Leg *leg;
@@ -143,7 +125,7 @@ static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1
   PetscCall(RodSizesAlong(leg->rod, U1, leg->axes, size));
   PetscCall(RodLength(leg->rod, t1, &length));
   *impossible = (PetscBool) !(RodEndsOf(leg->rod).begins_free ||
-                              RodReach(leg->rod->model, size) <= round_off * length);
+                              RodReach(leg->rod->model, size) <= step_rule.reach_slack * length);
   PetscCall(TSGetStepNumber(ts, &step));
   leg->passed = (PetscBool)(leg->passed && step == leg->tried);
   leg->tried = step;
@@ -222,7 +204,8 @@ static PetscErrorCode IsBent(const Rod rod, Vec U, PetscBool *bent) {
   *bent = PETSC_FALSE;
   PetscCall(RodFieldSizes(rod, U, size));
   for (PetscInt f = 0; f < rod->model->fields; f++)
-    if (rod->model->group[f] != ALONG && rod->model->group[f] != TWIST && size[f] > rod_vanished)
+    if (rod->model->group[f] != ALONG && rod->model->group[f] != TWIST &&
+        size[f] > rod_rule.vanished)
       *bent = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
@@ -239,7 +222,7 @@ static PetscErrorCode IsPlane(const Rod rod, Vec U, PetscBool *plane) {
   if (!*plane) PetscFunctionReturn(0);
   PetscCall(RodFieldSizes(rod, U, size));
   for (PetscInt f = 0; f < rod->model->fields; f++)
-    if (rod->model->group[f] & ACROSS_3 && size[f] > rod_vanished) *plane = PETSC_FALSE;
+    if (rod->model->group[f] & ACROSS_3 && size[f] > rod_rule.vanished) *plane = PETSC_FALSE;
   PetscFunctionReturn(0);
 }
 
@@ -360,10 +343,6 @@ static PetscErrorCode LetGo(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-/* Speeds at which a rod in dry friction snaps, and at which it has snapped, over that at which it
-   grows. */
-static const PetscReal snaps_at = 1e3, snapped_at = 1.2;
-
 /*
   LegSpeed - the speed of the fastest place behind an accepted step, over that at which the rod
   grows. While it snaps its friction is rounded off (SceneAtSpeed()). Collective.
@@ -380,7 +359,8 @@ PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins) {
   PetscCall(RodFieldSizes(rod, leg->newton.latest.U_t, rate));
   fastest = RodReach(rod->model, rate);
   *speed = fastest / RodUnits(rod)->speed;
-  falls = (PetscBool)(RodIsDry(rod) && *speed > (before > 0 ? snapped_at : snaps_at));
+  falls = (PetscBool)(RodIsDry(rod) &&
+                      *speed > (before > 0 ? step_rule.snapped_at : step_rule.snaps_at));
   *begins = (PetscBool)(falls && before == 0);
   if (*begins) PetscCall(LetGo(rod));
   if (falls || before > 0) RodAtSpeed(rod, falls ? fastest : 0);
@@ -470,24 +450,17 @@ static PetscErrorCode RefuseAdapt(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* The first step, as parts of the scene's unit of time and of the rod's own: nothing that a rod out
-   of balance does at once may take less. (What a straight one does is small at first; one in dry
-   friction is in balance, or that is seen when the first step is tried.) But where
-   that is next to nothing, a part of the time that short steps are part of: there must be shorter
-   ones. */
-static const PetscReal first_of_unit = 1e-4, first_of_own = 1e-6, straight_of_own = 0.1,
-                       first_of_brief = 1e-13;
-
 static PetscErrorCode SetFirstStep(Leg *leg) {
   const SceneUnits *units = RodUnits(leg->rod);
-  PetscReal first = first_of_unit * units->time,
-            own = (units->straight ? straight_of_own : first_of_own) * units->own;
+  PetscReal first = step_rule.first_of_unit * units->time,
+            own =
+                (units->straight ? step_rule.first_straight : step_rule.first_of_own) * units->own;
 
   PetscFunctionBegin;
   if (RodIsDry(leg->rod))
     PetscCall(VBDFSetAgain(leg->ts, units->own, PetscMin(first, own), units->unheld));
   else
-    first = PetscMin(first, PetscMax(own, first_of_brief * units->brief));
+    first = PetscMin(first, PetscMax(own, step_rule.first_of_brief * units->brief));
   PetscCall(TSSetTimeStep(leg->ts, first));
   PetscFunctionReturn(0);
 }
@@ -538,7 +511,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscCall(TSSetApplicationContext(leg->ts, leg));
   PetscCall(TSSetEquationType(leg->ts, TS_EQ_DAE_IMPLICIT_INDEX2));
   PetscCall(TSSetType(leg->ts, TSVBDF));
-  PetscCall(VBDFSetHighestOrder(leg->ts, HIGHEST_ORDER));
+  PetscCall(VBDFSetHighestOrder(leg->ts, step_rule.highest_order));
   PetscCall(TSSetTolerances(leg->ts, PETSC_DEFAULT, NULL, rtol, NULL));
   PetscCall(TSSetMaxTime(leg->ts, RodEndTime(leg->rod)));
   PetscCall(TSSetMaxSteps(leg->ts, PETSC_MAX_INT));

@@ -4,14 +4,8 @@
 #include "base/chain.h"
 #include "rod/ask.h"
 #include "rod/learned.h"
-
-/* Newton's iteration stops when its update is this part of rtol: of the step's own tolerance, a
-   fifteenth (leg.c). */
-static const PetscReal share_of_tolerance = 0.02;
-/* ... but no update below this part of a field can be asked for. */
-static const PetscReal round_off = 1e-13;
-/* A rate is an estimate: what it says is left must be this much smaller still. */
-static const PetscReal share_of_rate = 0.5;
+#include "rod/rules.h"
+#include "stepping/rules.h"
 
 /* The largest residual of each group of fields (rod.h), in the scene's units, along the axes of the
    state: they do not see each other on the straight rod, and one may be 1e-16 times another. */
@@ -31,19 +25,6 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
   PetscFunctionReturn(0);
 }
 
-/* Forces and moments do not control the step, but where the rod sticks they are all that Newton's
-   method has to find: they must settle to this part of their size, or the next step starts from
-   noise. Not for ever: with a tiny beta and a tiny step their round-off may lie above it: only for
-   so many iterations; in steps in which they matter (MindsForces()) for so many in a row that have
-   moved nothing else. */
-static const PetscReal loose = 1e-4, tight = 1e-5;
-enum { PATIENCE = 8, IN_A_SNAP = 16 };
-
-/* Forces and moments of a rod at rest may be all but none, and what is found of them is round-off
-   of what bends it: below this part of the unit in which a rod so bent has them nothing is to
-   settle. */
-static const PetscReal unsettled = 1e-8;
-
 static void LeaveRoundOff(const Rod rod, PetscReal size[MAX_FIELDS]) {
   const RodModel *model = rod->model;
   PetscReal bent[GROUPS] = {1};
@@ -53,7 +34,8 @@ static void LeaveRoundOff(const Rod rod, PetscReal size[MAX_FIELDS]) {
       bent[model->group[f]] = PetscMax(bent[model->group[f]], size[f]);
   for (PetscInt f = 0; f < model->fields; f++)
     if (!model->followed[f])
-      size[f] = PetscMax(size[f], unsettled * RodFieldUnit(rod, f) * bent[model->group[f]]);
+      size[f] = PetscMax(size[f],
+                         step_rule.force_round_off * RodFieldUnit(rod, f) * bent[model->group[f]]);
 }
 
 /* The largest update of each group's fields, relative to the field's scale; those not followed
@@ -71,7 +53,7 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
   for (int g = 0; g < GROUPS; g++) update[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     if (change[f] != 0) {
-      PetscReal r = change[f] / PetscMax(size[f], rod_vanished),
+      PetscReal r = change[f] / PetscMax(size[f], rod_rule.vanished),
                 *most = &update[rod->model->group[f]];
       if (rod->model->followed[f])
         *followed = LargerSize(*followed, r);
@@ -81,9 +63,6 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
     }
   PetscFunctionReturn(0);
 }
-
-/* The rod lengthens at the speed 1; what is so much faster snaps. */
-static const PetscReal snapping = 1e3;
 
 static PetscReal Largest(const PetscReal residual[GROUPS]) {
   PetscReal largest = 0;
@@ -108,7 +87,7 @@ static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
   PetscFunctionBegin;
   PetscCall(TSGetTimeStep(self->ts, &step));
   *minds = (PetscBool)(RodTouches(self->rod) &&
-                       (unseen < snapping * step || Largest(residual) > self->guess));
+                       (unseen < step_rule.fast * step || Largest(residual) > self->guess));
   PetscFunctionReturn(0);
 }
 
@@ -116,8 +95,9 @@ static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
 static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
   const PetscBool falls = (PetscBool)(RodFalls(self->rod) > 0);
 
-  if (self->waits >= (falls ? IN_A_SNAP : PATIENCE)) return 0;
-  return PetscMin(1, floor / (falls ? tight : loose));
+  if (self->waits >= (falls ? step_rule.force_iterations_in_jump : step_rule.force_iterations))
+    return 0;
+  return PetscMin(1, floor / (falls ? step_rule.force_settles_in_jump : step_rule.force_settles));
 }
 
 /*
@@ -126,15 +106,13 @@ static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
   this part, so many times in a row: what is left of it is round-off, too, of velocities in a short
   step. (In exact friction it may be that places stick one after the other.)
 */
-static const PetscReal motionless = 1e-12, settled = 0.5;
-enum { SETTLED = 2 };
-
 static PetscBool Settled(Newton *self, PetscReal followed, PetscReal rate) {
-  const PetscBool still = (PetscBool)(RodTouches(self->rod) && !RodSticks(self->rod) &&
-                                      followed <= motionless && rate > settled);
+  const PetscBool still =
+      (PetscBool)(RodTouches(self->rod) && !RodSticks(self->rod) &&
+                  followed <= step_rule.update_at_rest && rate > step_rule.stagnates);
 
   self->settles = still ? self->settles + 1 : 0;
-  return (PetscBool)(self->settles >= SETTLED);
+  return (PetscBool)(self->settles >= step_rule.stagnates_times);
 }
 
 /*
@@ -145,25 +123,17 @@ static PetscBool Settled(Newton *self, PetscReal followed, PetscReal rate) {
   not before the EARLIEST (the first are, of a rod that leaves a stiff wall), the latter where it
   has not halved in so many.
 */
-static const PetscReal wild = 100, falls = 0.5;
-enum { WILD = 4, EARLIEST = 8, CREEP = 15 };
-
 static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBool cut) {
-  const PetscBool begins = (PetscBool)!it, halves = (PetscBool)(residual <= falls * self->halved);
+  const PetscBool begins = (PetscBool)!it,
+                  halves = (PetscBool)(residual <= step_rule.stalls * self->halved);
 
   if (begins || halves) self->halved = residual;
   self->creeps = begins || halves ? 0 : self->creeps + 1;
-  self->wild = !begins && residual > wild * self->guess ? self->wild + 1 : 0;
-  return (PetscBool)(RodTouches(self->rod) &&
-                     (cut ? self->creeps >= CREEP : it >= EARLIEST && self->wild >= WILD));
+  self->wild = !begins && residual > step_rule.diverges * self->guess ? self->wild + 1 : 0;
+  return (PetscBool)(RodTouches(self->rod) && (cut ? self->creeps >= step_rule.stalls_iterations
+                                                   : it >= step_rule.diverges_earliest &&
+                                                         self->wild >= step_rule.diverges_times));
 }
-
-/* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
-   are moved, and it goes on if these creep farther in the step than this part of the tolerance, of
-   the rod's size; but not more often than that, for the shifts outlive the step, and go on settling
-   in the next. */
-static const PetscReal creep_allowed = 5;
-enum { MOST_HOLDS = 2 };
 
 /* The speed at which a place that is held must creep to be seen in this step: to go as far as the
    tolerance of the smallest field. Slower, it is not held to the full; else shifts that move with
@@ -178,6 +148,10 @@ static PetscReal SpeedSeen(const Newton *self, PetscReal step, const PetscReal s
   return self->tolerance * least / step;
 }
 
+/* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
+   are moved, and it goes on if these creep farther in the step than this part of the tolerance, of
+   the rod's size; but not more often than that, for the shifts outlive the step, and go on settling
+   in the next. */
 static PetscErrorCode Hold(Newton *self, SNES snes, Vec U, Vec F, SNESConvergedReason *reason) {
   PetscReal creep, step, size[MAX_FIELDS];
 
@@ -186,7 +160,8 @@ static PetscErrorCode Hold(Newton *self, SNES snes, Vec U, Vec F, SNESConvergedR
   PetscCall(RodFieldSizes(self->rod, U, size));
   PetscCall(self->rod->model->hold(self->rod, &self->latest, SpeedSeen(self, step, size), &creep));
   PetscCall(PetscInfo(snes, "held points creep at %g\n", (double)creep));
-  if (creep * step > creep_allowed * self->tolerance * size[0] && self->holds < MOST_HOLDS) {
+  if (creep * step > step_rule.stick_slips * self->tolerance * size[0] &&
+      self->holds < step_rule.stick_updates) {
     self->holds++;
     *reason = SNES_CONVERGED_ITERATING;
     self->waits = 0;
@@ -235,7 +210,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
                                 PetscReal fnorm, SNESConvergedReason *reason, void *ctx) {
   Newton *self = (Newton *)ctx;
   PetscReal update[GROUPS] = {0}, residual[GROUPS], rate = 0, left = 0,
-            floor = PetscMax(self->tolerance, round_off);
+            floor = PetscMax(self->tolerance, step_rule.update_round_off);
   Vec U, dU, F;
   SNESLineSearch search;
   PetscReal followed = 0, part = 1, whole = 1;
@@ -269,7 +244,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       *reason = DIVERGED_NAN;
     else if (part < whole)
       *reason = SNES_CONVERGED_ITERATING;
-    else if (left <= floor || left * rate <= share_of_rate * floor)
+    else if (left <= floor || left * rate <= step_rule.rate_margin * floor)
       *reason = SNES_CONVERGED_SNORM_RELATIVE;
     PetscCall(PetscInfo(snes, "iteration %d: update %g, rate %g, residual %g %g\n", (int)it,
                         (double)left, (double)rate, (double)residual[ALONG],
@@ -328,7 +303,7 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
 /* What is below round-off of the whole of a vector is not asked for either (rod/sizes.c). */
 static void SetTolerance(Newton *newton, PetscReal tolerance) {
   newton->tolerance = tolerance;
-  newton->rod->finest = round_off / tolerance;
+  newton->rod->finest = step_rule.update_round_off / tolerance;
 }
 
 /*
@@ -346,7 +321,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->ts = ts;
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
-  SetTolerance(newton, share_of_tolerance * rtol);
+  SetTolerance(newton, step_rule.newton_share * rtol);
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));

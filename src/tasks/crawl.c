@@ -1,14 +1,6 @@
 #include "tasks/crawl.h"
 #include "base/options.h"
-
-/* So many steps for what is next to nothing. */
-enum { STEPS = 1000 };
-/* In contact that has got firm, and may be no way, and where walls rub, so many iterations count as
-   one of these steps. */
-enum { ITERATIONS = 20 };
-/* In the layer of a start, or behind a kink, steps get longer from next to nothing on, the slower
-   the finer the tolerance: who gets on so much faster in the second half does not crawl. */
-static const PetscReal faster = 2;
+#include "tasks/grow_rules.h"
 
 /* CrawlAllowed - has whoever runs it said how long steps are to be? Then none of them crawls. Or
    how many there may be? Then the run does not end for it. */
@@ -38,11 +30,12 @@ PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal way, PetscReal least, Pe
   PetscBool crawls;
 
   if (self->told) return PETSC_FALSE;
-  self->steps += self->counts ? PetscMax(1, iterations / ITERATIONS) : 1;
-  if (before < STEPS / 2 && self->steps >= STEPS / 2) self->half = way;
-  if (self->steps < STEPS && way < self->way + least) return PETSC_FALSE;
-  crawls =
-      (PetscBool)(way - self->way < least && way - self->half < faster * (self->half - self->way));
+  self->steps += self->counts ? PetscMax(1, iterations / grow_rule.crawl_iterations) : 1;
+  if (before < grow_rule.crawl_steps / 2 && self->steps >= grow_rule.crawl_steps / 2)
+    self->half = way;
+  if (self->steps < grow_rule.crawl_steps && way < self->way + least) return PETSC_FALSE;
+  crawls = (PetscBool)(way - self->way < least &&
+                       way - self->half < grow_rule.crawl_faster * (self->half - self->way));
   self->by = t - self->at;
   self->at = t;
   self->way = way;
@@ -71,7 +64,7 @@ void CrawlTell(const Crawl *self, PetscReal beta, PetscBool held, char line[], s
                  "crawls at t = %s: the latest %d steps%s have brought it on by %s; %s%s%sanother "
                  "-ts_rtol or other -rod_cells, or give -ts_max_steps, and it goes on as long as "
                  "that",
-                 text[0], STEPS, self->counts ? ", or 20000 iterations," : "", text[1],
-                 held ? crawl_held : "", held ? "; or try " : "try ",
+                 text[0], grow_rule.crawl_steps, self->counts ? ", or 20000 iterations," : "",
+                 text[1], held ? crawl_held : "", held ? "; or try " : "try ",
                  beta < 1e-3 ? "a larger -friction_beta, " : "");
 }

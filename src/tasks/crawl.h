@@ -4,10 +4,6 @@
 
 #include <petscts.h>
 
-/* Of -task grow: this part of the run, or of the length, whichever is less. (The most steps that a
-   run of the tests takes for so little, and comes through, are 170.) */
-static const PetscReal crawl_part = 1e-5;
-
 /* All 0 at the start of a run. */
 typedef struct {
   PetscBool counts;        /* it is looked at the sooner the more iterations its steps take */

@@ -2,6 +2,8 @@
 #include "tasks/grow.h"
 #include "base/signals.h"
 #include "tasks/growing.h"
+#include "rod/rules.h"
+#include "tasks/grow_rules.h"
 #include <signal.h>
 
 static PetscErrorCode Self(TS ts, Grow **self) {
@@ -68,11 +70,6 @@ PetscErrorCode GrowStore(Grow *self, PetscBool finished) {
   PetscFunctionReturn(0);
 }
 
-/* Jumps before this part of what short steps are part of cross the layer of a start, and are no
-   snaps (controller.c). A first step that ends in it is one of a start out of balance: what is lost
-   on the way to its end goes by rates that nothing tells, for a start has none. */
-static const PetscReal initial_layer = 1e-6;
-
 /* Does what leads tip or clamp, feeds the rod, or moves a surface that is touched set out or stop
    at once between two times? */
 static PetscBool LedRoundCorner(Scene scene, PetscBool touches, PetscReal t0, PetscReal t1) {
@@ -92,14 +89,13 @@ static PetscBool LedRoundCorner(Scene scene, PetscBool touches, PetscReal t0, Pe
   do not add up to what it loses, which friction takes, as in a snap.
 */
 static PetscBool IsThin(const Grow *self, PetscReal t) {
-  const PetscReal cells_wide = 2, most = 1e-3; /* and no more than that part of the run */
   const Mesh *mesh = &self->scene->mesh;
   PetscReal longest = 0, width;
 
-  if (!self->kept.gave_way || t > most * self->scene->end_time) return PETSC_FALSE;
+  if (!self->kept.gave_way || t > grow_rule.layer_run * self->scene->end_time) return PETSC_FALSE;
   for (PetscInt i = 0; i < mesh->cells; i++)
     longest = PetscMax(longest, mesh->s[i + 1] - mesh->s[i]);
-  width = cells_wide * longest * self->scene->growth->initial_length;
+  width = grow_rule.layer_cells * longest * self->scene->growth->initial_length;
   return (PetscBool)(t < PetscSqr(PetscSqr(width)));
 }
 
@@ -113,9 +109,6 @@ static PetscErrorCode CountIterations(Grow *self, PetscInt *iterations) {
   PetscFunctionReturn(0);
 }
 
-/* What a rod moves so much faster than it grows counts as much as growth does. */
-static const PetscReal counts_as = 10;
-
 /* How far has the step brought the run on: in time, and by what the rod has moved in it, for one
    that snaps gets on while time all but stands still. Counts snaps. Collective. */
 static PetscErrorCode GetOn(Grow *self) {
@@ -124,7 +117,7 @@ static PetscErrorCode GetOn(Grow *self) {
 
   PetscFunctionBegin;
   PetscCall(LegSpeed(self->now, &speed, &begins));
-  self->kept.way += self->seen.step * (1 + speed / counts_as);
+  self->kept.way += self->seen.step * (1 + speed / grow_rule.motion_counts);
   self->kept.snaps += begins;
   if (begins && !self->scene->load.shared) (void)LoadShareMore(&self->scene->load);
   PetscFunctionReturn(0);
@@ -151,7 +144,7 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
   Observation last = self->seen;
 
   PetscFunctionBegin;
-  layered = (PetscBool)(t <= initial_layer * self->scene->units.brief);
+  layered = (PetscBool)(t <= grow_rule.initial_layer * self->scene->units.brief);
   if (U) {
     PetscCall(CountIterations(self, &iterations));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
@@ -172,9 +165,10 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
                             &self->seen));
   self->force_before = GrowBaseForce(&last);
   if (jumped) GrowCross(self, &last, before, layered);
-  if (norm > rod_vanished && self->seen.norm_x2 > rod_vanished)
+  if (norm > rod_rule.vanished && self->seen.norm_x2 > rod_rule.vanished)
     self->kept.folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
-  if (norm > rod_vanished && self->seen.norm_x2 <= rod_vanished) self->kept.vanished = PETSC_TRUE;
+  if (norm > rod_rule.vanished && self->seen.norm_x2 <= rod_rule.vanished)
+    self->kept.vanished = PETSC_TRUE;
   PetscCall(GrowNeglect(self, U_t));
   GrowWeigh(self, &last, self->kept.folds - folds);
   self->kept.depth = PetscMax(self->kept.depth, self->seen.penetration);
@@ -254,7 +248,6 @@ static PetscErrorCode TakeStep(Grow *self, TS ts) {
 /* GrowAfterStep - what a stepper calls behind each of its steps: looks at it, unless it is to wait.
  */
 PetscErrorCode GrowAfterStep(TS ts) {
-  const PetscReal same = 1e-12;
   TSConvergedReason reason;
   PetscReal t;
   Grow *self;
@@ -268,7 +261,7 @@ PetscErrorCode GrowAfterStep(TS ts) {
     reason = TS_CONVERGED_TIME;
     PetscCall(TSSetConvergedReason(ts, reason));
   }
-  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + same));
+  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + grow_rule.same_time));
   self->reason = reason;
   if (!self->waits) PetscCall(TakeStep(self, ts));
   if (self->by_steps) PetscCall(TSGetConvergedReason(ts, &reason));
@@ -296,7 +289,7 @@ static PetscErrorCode StepOn(TS ts) {
 }
 
 /* What follows where the stepper has stopped. A rod in dry friction that finds no step tries again
-   with a viscous share, or a larger one, in steps of grow_begins_again of the run on. */
+   with a viscous share, or a larger one, in steps of grow_rule.again_step of the run on. */
 static PetscErrorCode AfterSolve(Grow *self) {
   PetscFunctionBegin;
   PetscCall(TSGetConvergedReason(self->now->ts, &self->reason));
@@ -304,7 +297,7 @@ static PetscErrorCode AfterSolve(Grow *self) {
   if (self->reason < 0 && !self->stopped && LoadMaySlip(&self->scene->load) &&
       LoadShareMore(&self->scene->load)) {
     PetscCall(TSRestartStep(self->now->ts));
-    PetscCall(TSSetTimeStep(self->now->ts, grow_begins_again * self->scene->end_time));
+    PetscCall(TSSetTimeStep(self->now->ts, grow_rule.again_step * self->scene->end_time));
     self->enters = PETSC_TRUE;
   } else if (self->reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
              self->slips || self->crawls || self->event.kind)
@@ -392,7 +385,7 @@ PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
     self->enters = PETSC_TRUE;
   }
   PetscCall(TSRestartStep(self->now->ts));
-  PetscCall(TSSetTimeStep(self->now->ts, grow_begins_again * self->scene->end_time));
+  PetscCall(TSSetTimeStep(self->now->ts, grow_rule.again_step * self->scene->end_time));
   PetscFunctionReturn(0);
 }
 

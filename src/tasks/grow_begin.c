@@ -1,6 +1,7 @@
 /* -task grow: what a run is asked for, and how it begins, or goes on. */
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
+#include "tasks/grow_rules.h"
 
 static const OptionRow rows[] = {
     ROW_WORD(
@@ -57,7 +58,6 @@ static PetscErrorCode ChooseModel(Grow *self) {
    and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off.
    Whether even this is finer than need be, the estimate tells (ToleranceFollow()). */
 static PetscErrorCode ChooseTolerance(Grow *self) {
-  const PetscReal eases = 10;
   const PetscBool touches = self->scene->contact.any;
   PetscBool given, eased;
 
@@ -66,7 +66,8 @@ static PetscErrorCode ChooseTolerance(Grow *self) {
   PetscCall(AccuracyTolerance());
   if (touches) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
-  if (touches && !given) PetscCall(OptionDefault("-contact_rtol", "%.3g", eases * self->rtol));
+  if (touches && !given)
+    PetscCall(OptionDefault("-contact_rtol", "%.3g", grow_rule.contact_eases * self->rtol));
   PetscCall(OptionReal("-contact_rtol", &self->eased, &eased));
   UserCheck(touches || !eased, OptionsComm(),
             "-contact_rtol: there is nothing to touch; give -wall_file, or -contact_self");
@@ -169,7 +170,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   self->shared = state->laws.shared; /* it has been said */
   if (state->kept.changed < 0)
     self->kept.changed =
-        state->points == 1 && state->step <= 2 * grow_begins_again * self->scene->end_time;
+        state->points == 1 && state->step <= 2 * grow_rule.again_step * self->scene->end_time;
   self->seen.t = self->start = self->stored_shape = state->t;
   PetscCall(GrowLookForEvent(self, state->t, self->now->U, &event));
   UserCheck(!event.kind, self->scene->comm,

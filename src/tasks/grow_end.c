@@ -1,26 +1,27 @@
 /* -task grow: the end of a run, and the line for one that was not asked for. */
 #include "tasks/growing.h"
+#include "tasks/grow_rules.h"
 
 /* Does a rod in space turn about itself far faster than anything drives it? Where friction does not
  * feel the spin nothing says how it gives way. */
 static PetscBool SpinsFreely(const Grow *self) {
   const Scene scene = self->scene;
-  const PetscReal driven = PetscAbsReal(scene->space.spin) + 1 / self->seen.length, far = 1e4;
+  const PetscReal driven = PetscAbsReal(scene->space.spin) + 1 / self->seen.length;
 
   return (PetscBool)(scene->space.rod && scene->load.radius == 0 &&
-                     PetscAbsReal(self->seen.tip_spin) > far * driven);
+                     PetscAbsReal(self->seen.tip_spin) > grow_rule.spins_freely * driven);
 }
 
 /* Is a rod that touches still straight, and does nothing say to which side it bends? (A load or a
    natural bend across would.) */
 static PetscBool PressedStraight(const Grow *self) {
-  const PetscReal straight = 0.01;
   const Scene scene = self->scene;
   const PetscReal *weight = scene->load.weight, *push = scene->tip.push;
   const PetscBool loaded =
       (PetscBool)(weight[1] != 0 || weight[2] != 0 || push[1] != 0 || push[2] != 0);
 
-  return (PetscBool)(self->seen.contacts > 0 && self->seen.max_angle <= straight && !loaded &&
+  return (PetscBool)(self->seen.contacts > 0 &&
+                     self->seen.max_angle <= grow_rule.pressed_straight && !loaded &&
                      !CurvatureBends(&scene->curvature));
 }
 
@@ -43,7 +44,7 @@ PetscReal GrowBaseForce(const Observation *seen) {
    force P: cells that are long beside these chatter. Tells how many would do; nothing if there are.
  */
 static void AdviseWaves(const Grow *self, char *advice, size_t room) {
-  const PetscReal coarse = 6, fine = 12, B = self->scene->stiffness.most,
+  const PetscReal B = self->scene->stiffness.most,
                   P = PetscMax(self->force_before, GrowBaseForce(&self->seen)),
                   length = self->seen.length, cell = length / self->scene->mesh.cells;
   char text[3][64];
@@ -52,12 +53,13 @@ static void AdviseWaves(const Grow *self, char *advice, size_t room) {
   advice[0] = 0;
   if (!TipHolds(&self->scene->tip, 1) || !(P > 0)) return;
   wave = 2 * PETSC_PI * PetscSqrtReal(B / P);
-  if (wave < coarse * cell)
+  if (wave < grow_rule.wave_coarse * cell)
     (void)snprintf(advice, room,
                    "its cells of %s are too long for the waves in which it bends under the force "
                    "%s, of %s: give -rod_cells %.0f",
                    About(cell, UNIT_LENGTH, text[0]), About(P, UNIT_FORCE, text[1]),
-                   About(wave, UNIT_LENGTH, text[2]), (double)PetscCeilReal(fine * length / wave));
+                   About(wave, UNIT_LENGTH, text[2]),
+                   (double)PetscCeilReal(grow_rule.wave_fine * length / wave));
 }
 
 /* Are cells longer than what contact presses on? They see it at one node or at none. */

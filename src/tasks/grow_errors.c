@@ -1,35 +1,17 @@
 /* -task grow: how far off a run may be. */
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
-
-/* A start that one step has crossed was not followed: it may be off by twice what that step has
-   changed, and by no more than of_start; but if that is far, the rod may have left it to another
-   side, and nothing is known. Behind a growth zone friction that is exact is taken for one with a
-   beta, which moments that were laid down feel by its sixth root, and little else does: so much
-   where errors are not followed (at the usual tolerance nothing is known). */
-static const PetscReal per_change = 2, of_start = 1e-2, far = 0.5, of_limit = 40;
-/* What a viscous share adds, over it: norms change by up to ten times that (LoadShareMore()),
-   behind a snap by up to 20 times. */
-static const PetscReal per_share = 10, per_snap = 20;
-
-/* What comes within this part of the time so far is the reason of an error. */
-static const PetscReal meanwhile = 0.02;
-/* What comes within this part of the time so far behind an error of 1 is what made it; else errors
-   that have grown so many times since half of the time so far are those of a mode that grows. */
-static const PetscReal at_once = 1e-3, grown = 100;
-/* A rod snaps that moves by its length within less than this part of the time so far. */
-static const PetscReal snappy = 0.02;
-/* Rigid contact is 1/k -> 0: depths go with k^(-3/4), and k dU/dk times this is the way there. */
-static const PetscReal to_rigid = 4. / 3;
+#include "rod/rules.h"
+#include "tasks/grow_rules.h"
 
 /* What two observations differ by in tip and |x2| (in space the larger one of |x2| and |x3|), over
    a size: of the tip's distance, and of |x2|. */
 static PetscReal Differ(const Observation *from, const Observation *to, const PetscReal size[2]) {
   const PetscReal tip[3] = {to->tip_x1 - from->tip_x1, to->tip_x2 - from->tip_x2,
                             to->tip_x3 - from->tip_x3};
-  PetscReal change = hypot(hypot(tip[0], tip[1]), tip[2]) / PetscMax(size[0], rod_vanished);
+  PetscReal change = hypot(hypot(tip[0], tip[1]), tip[2]) / PetscMax(size[0], rod_rule.vanished);
 
-  if (size[1] > rod_vanished)
+  if (size[1] > rod_rule.vanished)
     change = PetscMax(change, PetscMax(PetscAbsReal(to->norm_x2 - from->norm_x2),
                                        PetscAbsReal(to->norm_x3 - from->norm_x3)) /
                                   size[1]);
@@ -49,13 +31,16 @@ static PetscReal Change(const Observation *from, const Observation *to) {
 static PetscBool IsFar(const Observation *from, const Observation *to) {
   const PetscReal length[2] = {to->length, to->length};
 
-  if (Change(from, to) <= far) return PETSC_FALSE;
-  return (PetscBool)(Differ(from, to, length) > far || to->energy >= from->energy);
+  if (Change(from, to) <= grow_rule.start_unknown) return PETSC_FALSE;
+  return (PetscBool)(Differ(from, to, length) > grow_rule.start_unknown ||
+                     to->energy >= from->energy);
 }
 
 /* How far a jump, whose own error is not known, may be off. */
 static PetscReal Crossed(const Observation *from, const Observation *to) {
-  return IsFar(from, to) ? 1 : PetscMin(of_start, per_change * Change(from, to));
+  return IsFar(from, to)
+             ? 1
+             : PetscMin(grow_rule.start_error_most, grow_rule.start_error * Change(from, to));
 }
 
 /*
@@ -81,9 +66,9 @@ static PetscReal Beside(const Grow *self) {
   const Load *load = &self->scene->load;
   PetscReal error = self->kept.neglected + self->kept.crossed;
 
-  if (load->shared) error += per_share * load->friction.viscous;
+  if (load->shared) error += grow_rule.share_error * load->friction.viscous;
   if (!load->shared && self->kept.snaps > self->kept.crossings)
-    error += per_snap * load->friction.least * self->scene->units.speed;
+    error += grow_rule.share_error_of_jump * load->friction.least * self->scene->units.speed;
   return self->kept.vanished ? error + 1 : error;
 }
 
@@ -92,11 +77,12 @@ static PetscReal Beside(const Grow *self) {
 static void Least(const Grow *self, PetscReal least[ESTIMATE_SEEN]) {
   const Observation *seen = &self->seen;
   const PetscReal distance = hypot(hypot(seen->tip_x1, seen->tip_x2), seen->tip_x3),
-                  across = PetscMax(seen->norm_x2, seen->norm_x3), rounding = 1e-5;
+                  across = PetscMax(seen->norm_x2, seen->norm_x3);
 
   for (int k = 0; k < ESTIMATE_SEEN; k++)
     least[k] = self->estimate ? self->now->ease.times * self->rtol : 0;
-  least[ESTIMATE_TIP] *= PetscMax(rounding, PetscMin(1, across / PetscMax(distance, rod_vanished)));
+  least[ESTIMATE_TIP] *=
+      PetscMax(grow_rule.tip_least, PetscMin(1, across / PetscMax(distance, rod_rule.vanished)));
   if (self->scene->tip.type != TIP_FREE) least[ESTIMATE_TIP] = 0;
 }
 
@@ -113,7 +99,7 @@ static int Happens(const Grow *self, const Observation *last, PetscBool jumped) 
   const Observation *seen = &self->seen;
   const PetscReal speed = PetscMax(seen->tip_speed, seen->mid_speed);
 
-  if (jumped || snappy * seen->t * speed > seen->length) return WHY_SNAP;
+  if (jumped || grow_rule.jumps_within * seen->t * speed > seen->length) return WHY_SNAP;
   if (seen->contacts > last->contacts) return WHY_TOUCH;
   return seen->contacts < last->contacts ? WHY_LETS_GO : 0;
 }
@@ -122,7 +108,8 @@ static int Happens(const Grow *self, const Observation *last, PetscBool jumped) 
 static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], int k) {
   int most = 0;
 
-  if (self->kept.event_is && self->seen.t - self->kept.event_at <= meanwhile * self->seen.t)
+  if (self->kept.event_is &&
+      self->seen.t - self->kept.event_at <= grow_rule.reason_within * self->seen.t)
     return (int)self->kept.event_is;
   for (int i = 1; i < ESTIMATE_PARTS; i++)
     if (AccuracyTimes(i) * part[i][k] > AccuracyTimes(most) * part[most][k]) most = i;
@@ -141,12 +128,14 @@ static void LookForSide(Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
   Astray *astray = &self->kept.astray;
   const PetscReal t = self->seen.t;
   const PetscBool explained =
-      (PetscBool)(self->kept.event_is && t - self->kept.event_at <= meanwhile * t);
+      (PetscBool)(self->kept.event_is && t - self->kept.event_at <= grow_rule.reason_within * t);
 
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    const PetscBool goes = (PetscBool)(!explained && !EstimateIsEarly(self->estimate, t, k) &&
-                                       off[k] >= 1 && off[k] >= grown * astray->before[1][k]);
-    if (happens && astray->at[k] > 0 && t - astray->at[k] <= at_once * t) astray->at[k] = 0;
+    const PetscBool goes =
+        (PetscBool)(!explained && !EstimateIsEarly(self->estimate, t, k) && off[k] >= 1 &&
+                    off[k] >= grow_rule.reason_grown * astray->before[1][k]);
+    if (happens && astray->at[k] > 0 && t - astray->at[k] <= grow_rule.reason_at_once * t)
+      astray->at[k] = 0;
     if (goes && astray->at[k] == 0) astray->at[k] = t;
     for (int i = 0; i < ESTIMATE_PARTS; i++)
       if (astray->at[k] == 0)
@@ -199,7 +188,7 @@ void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
   self->seen.error_energy = error->end.seen[ESTIMATE_ENERGY];
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     WorstError *worst = &self->kept.worst[k];
-    if (happens && worst->why < ESTIMATE_PARTS && t - worst->at <= meanwhile * t)
+    if (happens && worst->why < ESTIMATE_PARTS && t - worst->at <= grow_rule.reason_within * t)
       worst->why = happens;
     if (EstimateIsEarly(self->estimate, t, k) || error->end.seen[k] <= worst->error) continue;
     *worst = (WorstError){error->end.seen[k], t, Reason(self, part, k)};
@@ -214,10 +203,10 @@ static void Rigid(const Grow *self, const PetscReal change[RIGID_VALUES],
   PetscReal off[3] = {c * change[0] - s * change[1], s * change[0] + c * change[1], 0};
 
   if (self->scene->space.rod) SpaceToLab(&self->scene->space, change + RIGID_TIP, off);
-  rigid[RIGID_TIP] = self->seen.tip_x1 + to_rigid * off[0];
-  rigid[RIGID_TIP + 1] = self->seen.tip_x2 + to_rigid * off[1];
-  rigid[RIGID_TIP + 2] = self->seen.tip_x3 + to_rigid * off[2];
-  rigid[RIGID_ENERGY] = self->seen.energy + to_rigid * change[RIGID_ENERGY];
+  rigid[RIGID_TIP] = self->seen.tip_x1 + grow_rule.to_rigid * off[0];
+  rigid[RIGID_TIP + 1] = self->seen.tip_x2 + grow_rule.to_rigid * off[1];
+  rigid[RIGID_TIP + 2] = self->seen.tip_x3 + grow_rule.to_rigid * off[2];
+  rigid[RIGID_ENERGY] = self->seen.energy + grow_rule.to_rigid * change[RIGID_ENERGY];
 }
 
 /* Of the errors that were followed: the largest of all, and of each part. Of a run that has not got
@@ -274,7 +263,7 @@ PetscErrorCode GrowErrors(Grow *self) {
                              &fitted));
   beside += fitted;
   if (load->limit && !self->estimate)
-    beside += of_limit * PetscPowReal(load->friction.beta, 1. / 6);
+    beside += grow_rule.beta_error * PetscPowReal(load->friction.beta, 1. / 6);
   Least(self, least);
   AccuracyMeasured(least, worst, beside, &self->error.most);
   self->error.end = self->error.most;

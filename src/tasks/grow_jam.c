@@ -3,34 +3,20 @@
    slips and sticks in no time keeps steps for ever (as does one that crawls for any other reason:
    crawl.c). */
 #include "tasks/growing.h"
-
-/* Pressed in by this part of its diameter the rod is no longer where walls say, and with forces so
-   many times the usual ones (world/contact.h) that is no matter of how soft contact is. A rod
-   without one: so many times the length over which contact spreads a force that acts at a point.
-   Contact that gets firmer does not let it in so far: there it is jammed by a force that would
-   press it in, were it as soft there as where it is touched, by so many times the layer of contact:
-   this is 500 times the usual one. (Rods that run in next to head-on, and come through, are pressed
-   by it three times as hard as by soft contact.) */
-static const PetscReal too_deep = 0.2, too_deep_firm = 250, too_deep_thin = 2, many_times = 10;
-/* So many steps in contact in which the rod grows, at the speed 1, by no more than this part of its
-   length; one that does not grow has its tip led. (A snap takes some hundred from next to nothing
-   on. Rods that are wedged chatter: their steps of 1e-9 find some balance or other, and add up to
-   2e-5 in a thousand.) */
-enum { WINDOW = 1000 };
-static const PetscReal progress = 1e-5;
+#include "tasks/grow_rules.h"
 
 /* GrowPressedHard - is it pressed with forces far above those of bending and of friction along the
    rod? */
 PetscBool GrowPressedHard(const Grow *self) {
   return (PetscBool)(self->seen.contacts > 0 &&
-                     self->seen.contact_force > many_times * self->scene->contact.force);
+                     self->seen.contact_force > grow_rule.jam_force * self->scene->contact.force);
 }
 
 /* Is it farther in a wall, or in itself, than a law of contact may let it? */
 static PetscBool PressedDeep(const Contact *contact, const Observation *seen) {
-  const PetscReal most = contact->diameter <= 0 ? too_deep_thin * contact->tip
-                         : contact->firm        ? too_deep_firm * contact->smooth
-                                                : too_deep * contact->diameter;
+  const PetscReal most = contact->diameter <= 0 ? grow_rule.jam_depth_thin * contact->tip
+                         : contact->firm        ? grow_rule.jam_depth_stiffened * contact->smooth
+                                                : grow_rule.jam_depth * contact->diameter;
   return (PetscBool)(ContactSoftDepth(contact, seen->penetration) > most);
 }
 
@@ -42,20 +28,14 @@ PetscBool GrowIsJammed(Grow *self) {
   const Observation *seen = &self->seen;
 
   if (!contact->any || seen->contacts == 0 ||
-      self->kept.way > self->kept.window + progress * seen->length) {
+      self->kept.way > self->kept.window + grow_rule.jam_progress * seen->length) {
     self->kept.window = self->kept.way;
     self->kept.window_steps = 0;
   } else
     self->kept.window_steps++;
   if (!contact->any || !GrowPressedHard(self)) return PETSC_FALSE;
-  return (PetscBool)(self->kept.window_steps >= WINDOW || PressedDeep(contact, seen));
+  return (PetscBool)(self->kept.window_steps >= grow_rule.jam_steps || PressedDeep(contact, seen));
 }
-
-/* So many steps in which a rod that has snapped gets on by no more than this part of the run.
-   (Those that come through take less than half as many.) With the largest viscous share so many
-   times as many: nothing is left to be tried. */
-enum { SLIPS = 400, AT_LAST = 5 };
-static const PetscReal gets_on = 1e-2;
 
 /*
   GrowSlips - does a rod with weak friction across slip and slip again, each time in no time, so
@@ -63,12 +43,14 @@ static const PetscReal gets_on = 1e-2;
 */
 PetscBool GrowSlips(Grow *self) {
   if (!LoadMaySlip(&self->scene->load) ||
-      self->kept.way > self->kept.slips_at + gets_on * self->scene->end_time) {
+      self->kept.way > self->kept.slips_at + grow_rule.slip_progress * self->scene->end_time) {
     self->kept.slips_at = self->kept.way;
     self->kept.slips_steps = 0;
   } else
     self->kept.slips_steps++;
-  if (self->kept.slips_steps < (LoadSharesMost(&self->scene->load) ? AT_LAST * SLIPS : SLIPS))
+  if (self->kept.slips_steps < (LoadSharesMost(&self->scene->load)
+                                    ? grow_rule.slip_at_last * grow_rule.slip_steps
+                                    : grow_rule.slip_steps))
     return PETSC_FALSE;
   self->kept.slips_steps = 0;
   return PETSC_TRUE;
@@ -86,7 +68,7 @@ static PetscBool RubsOnWalls(const Grow *self) {
 
 /* GrowHeldTwice - ... while dry friction holds it, too: see crawl_held. */
 PetscBool GrowHeldTwice(const Grow *self) {
-  return (PetscBool)(RubsOnWalls(self) && 1 - self->scene->load.friction.mu < 1e-3);
+  return (PetscBool)(RubsOnWalls(self) && 1 - self->scene->load.friction.mu < grow_rule.held_twice);
 }
 
 /* GrowCrawls - does the run advance too slowly to come to its end? The same on every rank. */
@@ -94,7 +76,7 @@ PetscBool GrowCrawls(Grow *self) {
   if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
   self->crawl.counts = (PetscBool)(GotFirm(&self->scene->contact) || RubsOnWalls(self));
   return (PetscBool)(CrawlStep(&self->crawl, self->seen.t, self->kept.way,
-                               crawl_part * PetscMin(self->seen.length, self->end),
+                               grow_rule.crawl_part * PetscMin(self->seen.length, self->end),
                                (PetscInt)self->seen.newton_iterations) &&
                      !self->crawl.allowed);
 }

@@ -1,6 +1,7 @@
 /* -task grow: what a run needs to go on from a time, now and, of a run by steps, at earlier ones.
  */
 #include "tasks/growing.h"
+#include "tasks/grow_rules.h"
 
 /* At a time between two steps, or in one: the state alone, from which short steps go on. */
 typedef struct GrowMark {
@@ -43,7 +44,7 @@ static void FromOnePoint(const Grow *self, PetscReal t, RestartState *state) {
   state->t = t;
   state->time[0] = 0;
   state->points = state->order = 1;
-  state->step = grow_begins_again * self->scene->end_time;
+  state->step = grow_rule.again_step * self->scene->end_time;
   state->kept.changed = 1;
   state->memory[0] = state->memory[2] = state->memory[3] = 0;
 }
@@ -194,11 +195,10 @@ static PetscErrorCode SaveWithin(Grow *self, const char *path, PetscReal t) {
   now  the present time: that of the latest step, or one within the step that waits
 */
 PetscErrorCode GrowSave(Grow *self, const char *path, PetscReal t, PetscReal now) {
-  const PetscReal same = 1e-12;
   char text[2][64];
 
   PetscFunctionBegin;
-  if (PetscAbsReal(t - now) <= same * now) {
+  if (PetscAbsReal(t - now) <= grow_rule.same_time * now) {
     if (self->waits && now > self->seen.t)
       PetscCall(SaveWithin(self, path, now));
     else
@@ -206,7 +206,7 @@ PetscErrorCode GrowSave(Grow *self, const char *path, PetscReal t, PetscReal now
     PetscFunctionReturn(0);
   }
   for (PetscInt k = 0; k < self->marks; k++)
-    if (PetscAbsReal(t - self->mark[k].state.t) <= same * t) {
+    if (PetscAbsReal(t - self->mark[k].state.t) <= grow_rule.same_time * t) {
       PetscCall(SaveMark(self, path, &self->mark[k]));
       PetscFunctionReturn(0);
     }

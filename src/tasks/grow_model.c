@@ -1,6 +1,8 @@
 /* -task grow: the models that take turns, and what the linear one leaves out. */
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
+#include "rod/rules.h"
+#include "tasks/grow_rules.h"
 
 const RodModel *const grow_models[MODELS] = {&rod_linear, &rod_frame, &rod_mixed, &rod_space};
 
@@ -27,8 +29,9 @@ PetscInt GrowBetterModel(const Grow *self) {
   const PetscInt whole = GrowWholeModel(self);
   if (self->model != AUTO) return self->model;
   if (!self->can[LINEAR]) return whole;
-  if (self->now == &self->leg[LINEAR]) return neglected > 0.3 * self->rtol ? whole : LINEAR;
-  return neglected < 0.03 * self->rtol ? LINEAR : whole;
+  if (self->now == &self->leg[LINEAR])
+    return neglected > grow_rule.linear_until * self->rtol ? whole : LINEAR;
+  return neglected < grow_rule.linear_again * self->rtol ? LINEAR : whole;
 }
 
 /* GrowWeigh - how much the linear model's energy changes, which tells of the deflection where |x2|
@@ -36,13 +39,13 @@ PetscInt GrowBetterModel(const Grow *self) {
    in the energy: it may be in short waves, small beside |x2|, and when these are what is left, as
    the root of the energy over |x2| tells, it weighs so much more. */
 void GrowWeigh(Grow *self, const Observation *last, PetscReal folds) {
-  const PetscReal least = 1e-300, size = PetscMax(self->seen.norm_x2, self->seen.norm_x3),
+  const PetscReal size = PetscMax(self->seen.norm_x2, self->seen.norm_x3),
                   before = PetscMax(last->norm_x2, last->norm_x3);
   PetscReal grown;
 
   if (self->kept.weighed == 0) self->kept.weighed = FEWEST_FOLDS;
-  if (self->now == &self->leg[LINEAR] && PetscMin(size, before) > rod_vanished &&
-      PetscMin(self->seen.energy, last->energy) > least) {
+  if (self->now == &self->leg[LINEAR] && PetscMin(size, before) > rod_rule.vanished &&
+      PetscMin(self->seen.energy, last->energy) > grow_rule.energy_vanished) {
     grown = self->seen.energy / last->energy;
     self->kept.energy_folds += PetscAbsReal(PetscLogReal(grown));
     self->kept.weighed *= PetscSqrtReal(grown) * before / size;

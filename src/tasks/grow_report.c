@@ -2,6 +2,7 @@
 #include "scene/scales.h"
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
+#include "tasks/grow_rules.h"
 #include <petsctime.h>
 
 /* The lines of progress are in the units of the laboratory, if it is known: those that suit the end
@@ -110,14 +111,11 @@ PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
   PetscFunctionReturn(0);
 }
 
-/* Pressed in by more than this part of its diameter a rod is where no rigid wall lets it be. */
-static const PetscReal part_told = 0.01;
-
 /* The stiffness with which the same force would press the rod in by half of that: a point load
    sinks in by k^(-3/4) (ContactSetStiffness()). */
 static PetscReal Stiffer(const Grow *self) {
   const Contact *contact = &self->scene->contact;
-  const PetscReal allowed = part_told / 2 * contact->diameter;
+  const PetscReal allowed = grow_rule.depth_reported / 2 * contact->diameter;
 
   return contact->stiffness *
          PetscPowReal(ContactSoftDepth(contact, self->kept.depth) / allowed, 4. / 3);
@@ -166,11 +164,11 @@ static PetscErrorCode TellContact(const Grow *self) {
                         (double)contact->stiffness, (int)self->seen.contacts,
                         self->seen.contacts == 1 ? "" : "s",
                         Deep(self, self->kept.depth, deep, sizeof(deep)), held));
-  if (contact->diameter > 0 && self->kept.depth > part_told * contact->diameter)
+  if (contact->diameter > 0 && self->kept.depth > grow_rule.depth_reported * contact->diameter)
     PetscCall(PetscPrintf(self->scene->comm,
                           "The rod is pressed in by more than %.0f %% of its diameter: give "
                           "-contact_stiffness %.1e%s.\n",
-                          100 * (double)part_told, (double)Stiffer(self),
+                          100 * (double)grow_rule.depth_reported, (double)Stiffer(self),
                           contact->told && !(contact->firm || contact->given || contact->fine)
                               ? ", or -contact_firm"
                               : ""));
@@ -215,11 +213,12 @@ static PetscErrorCode TellSeen(const Grow *self) {
 /* What rigid contact would do, to first order: where contact is off by more, nothing is known. */
 static PetscErrorCode TellRigid(const Grow *self) {
   const ErrorEstimate *error = &self->error;
-  const PetscReal *rigid = error->rigid, known = 0.1;
+  const PetscReal *rigid = error->rigid;
   char text[4][32], third[40] = "";
 
   PetscFunctionBegin;
-  if (!self->kept.pressed || error->end.part[ESTIMATE_SOFT] > known) PetscFunctionReturn(0);
+  if (!self->kept.pressed || error->end.part[ESTIMATE_SOFT] > grow_rule.rigid_known)
+    PetscFunctionReturn(0);
   if (self->scene->space.rod)
     (void)snprintf(third, sizeof(third), ", %s", OptionNumber(rigid[RIGID_TIP + 2], text[2]));
   PetscCall(PetscPrintf(
@@ -370,7 +369,6 @@ static PetscErrorCode TellSides(const Grow *self) {
 
 /* Where nothing pushes a rod in space out of its plane, it stays in that, stable or not. */
 static PetscErrorCode TellPlane(const Grow *self) {
-  const PetscReal slight = 1e-5;
   char text[64];
   PetscBool leaves;
 
@@ -382,7 +380,7 @@ static PetscErrorCode TellPlane(const Grow *self) {
       "The shape is unstable out of its plane, and nothing here pushes the rod out of that: to see "
       "where it falls give it a slight push, -rod_curvature_2 %s, or 1e-5 of -rod_weight along "
       "x3.\n",
-      OptionBoth(slight / self->seen.length, UNIT_CURVATURE, text)));
+      OptionBoth(grow_rule.slight_push / self->seen.length, UNIT_CURVATURE, text)));
   PetscFunctionReturn(0);
 }
 
@@ -390,7 +388,7 @@ static PetscErrorCode TellPlane(const Grow *self) {
    either it began so, or it has forgotten how it began. (Of one that gave up while it was pressed
    against something another line says so.) */
 static PetscErrorCode TellStraight(const Grow *self) {
-  const PetscReal round_off = 1e-12, forgotten = 1e-6, angle = self->seen.max_angle;
+  const PetscReal angle = self->seen.max_angle;
   const Shape *shape = &self->scene->shape;
   const PetscReal began = shape->type == SHAPE_FILE       ? 1
                           : shape->type == SHAPE_STRAIGHT ? 0
@@ -400,11 +398,11 @@ static PetscErrorCode TellStraight(const Grow *self) {
   if (CurvatureBends(&self->scene->curvature)) PetscFunctionReturn(0);
   if (self->seen.contacts > 0 && self->seen.t < self->scene->end_time && !self->event.kind)
     PetscFunctionReturn(0);
-  if (began == 0 && angle <= round_off)
+  if (began == 0 && angle <= grow_rule.straight_angle)
     PetscCall(PetscPrintf(self->scene->comm,
                           "The rod stayed straight: nothing bends it; give it a -rod_curvature, or "
                           "to begin with a -shape_type and its -shape_amplitude.\n"));
-  else if (angle <= forgotten * began)
+  else if (angle <= grow_rule.straight_forgotten * began)
     PetscCall(PetscPrintf(self->scene->comm,
                           "The rod has become straight, to an angle of %.0e: it has forgotten the "
                           "shape it began with; a -rod_curvature bends it for good.\n",

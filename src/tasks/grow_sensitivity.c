@@ -6,12 +6,8 @@
    the run's are, in memory, and the difference between the two is what is asked for. */
 #include "stepping/tangent.h"
 #include "tasks/growing.h"
+#include "tasks/grow_rules.h"
 #include <stdlib.h>
-
-/* A number is moved by this part of itself, far above round-off; by less where friction turns fast,
-   so that velocities, which go with it, move by a thousandth of sqrt(beta), and squares of that are
-   not seen. */
-static const PetscReal moved = 3e-5, of_turn = 1e-3;
 
 typedef struct {
   PetscReal number; /* in the unit of the option */
@@ -64,7 +60,9 @@ static PetscErrorCode ReadNumber(Grow *self, Asked *asked) {
 /* The numbers of the shadows, within what the option may be. */
 static PetscErrorCode PlaceShadows(const Grow *self, Asked *asked) {
   const OptionRow *row = OptionFind(asked->name);
-  const PetscReal part = PetscMin(moved, of_turn * PetscSqrtReal(self->scene->load.friction.beta)),
+  const PetscReal part = PetscMin(grow_rule.sensitivity_step,
+                                  grow_rule.sensitivity_turn *
+                                      PetscSqrtReal(self->scene->load.friction.beta)),
                   p = asked->number, step = part * (p != 0 ? PetscAbsReal(p) : 1);
   PetscReal value;
   char text[64];

@@ -1,6 +1,7 @@
 /* -task grow: can a rod begin where it is, beside what it touches? */
 #include "rod/passing.h"
 #include "tasks/growing.h"
+#include "tasks/grow_rules.h"
 
 /* Refuses surfaces in space that are hollow and hardly wider than the rod: in their middle contact
    would press from all sides at once. */
@@ -47,11 +48,6 @@ static PetscErrorCode CheckClamp(Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* Of the distance at which contact sets in: so much nearer a place is not worth a line. A wall at
-   which a rod begins is taken off by that distance where the rod is nearest, and along a tube's
-   floor, a spline, other places are a little nearer. */
-static const PetscReal part_near = 1e-3;
-
 /* Says how near a rod begins to a wall, if contact sets in there already. */
 static PetscErrorCode TellNear(const Grow *self, const TouchSum *touch) {
   const Contact *contact = &self->scene->contact;
@@ -66,7 +62,7 @@ static PetscErrorCode TellNear(const Grow *self, const TouchSum *touch) {
                           "-wall_file: the rod begins at a wall, %s from it; contact sets in %s "
                           "before surfaces meet, and so the wall is taken so much farther off\n",
                           OptionBoth(contact->smooth - off, UNIT_LENGTH, text[1]), text[0]));
-  if (touch->nearest < (1 - part_near) * contact->smooth && touch->at[1] < 0)
+  if (touch->nearest < (1 - grow_rule.start_nearer) * contact->smooth && touch->at[1] < 0)
     PetscCall(PetscPrintf(
         self->scene->comm,
         "-wall_file: the rod begins %s from a wall at s = %g, and contact sets in "

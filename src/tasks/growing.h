@@ -66,9 +66,6 @@ typedef struct {
 
 extern const RodModel *const grow_models[MODELS];
 
-/* Where something begins anew: steps of this part of the run. */
-static const PetscReal grow_begins_again = 1e-9;
-
 /* grow_keep.c */
 PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec errors[]);
 PetscErrorCode GrowMark(Grow *self, PetscReal t);

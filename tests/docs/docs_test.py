@@ -13,7 +13,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "support"), str(Path(__file__).resolve().parents[1])]
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "support"), str(Path(__file__).resolve().parents[1]),
+                str(Path(__file__).resolve().parents[2] / "scripts/lab")]
+import heuristics
 import registered
 from interpreter import from_venv
 
@@ -335,6 +337,26 @@ class Developers(unittest.TestCase):
         told = re.findall(r"(?m)^\| (\w+) \|", table)
         self.assertEqual(told, re.findall(r"\w+", rooms))
         self.assertEqual(set(told), {path.name for path in (ROOT / "src").iterdir() if path.is_dir()})
+
+    def test_heuristics(self):
+        """docs/dev/heuristics.md is what the registers of constants say, and the tests that they name are there."""
+        self.assertEqual(subprocess.run([sys.executable, ROOT / "scripts/lab/heuristics.py"], capture_output=True, text=True, check=True).stdout,
+                         (ROOT / "docs/dev/heuristics.md").read_text(), "redraw it: scripts/lab/heuristics.py > docs/dev/heuristics.md")
+        tests = {test.name for test in registered.tests()} | {"none", ""}
+        for register in heuristics.REGISTERS:
+            rows = list(heuristics.constants(register))
+            self.assertEqual(len(rows), (ROOT / "src" / register).read_text().count("\nRULE("), register)
+            self.assertEqual([row.name for row in rows if not row.text or row.test not in tests], [], register)
+
+    def test_constants(self):
+        """No constant of these rooms stands where it acts: each is in the register."""
+        found = []
+        for file in [*ROOT.glob("src/stepping/*.c"), *ROOT.glob("src/rod/*.[ch]"), *ROOT.glob("src/tasks/grow*.c"), ROOT / "src/tasks/crawl.c"]:
+            text = re.sub(r"(?s)/\*.*?\*/", "", file.read_text())
+            for declared in re.findall(r"(?:static )?const Petsc(?:Real|Int) [^;]*;", text):
+                found += [f"{file.name}: {name} = {value}" for name, value in re.findall(r"(\w+) = (\d[\d.]*(?:e-?\d+)?)\s*[,;]", declared)
+                          if float(value) not in (0, 0.5, 1, 2)]
+        self.assertEqual(found, [])
 
     def test_labels(self):
         """So are the labels of tests."""

@@ -2,6 +2,7 @@
    test: a run that crawls is told from what looks like it */
 #include "harness.h"
 #include "tasks/crawl.h"
+#include "tasks/grow_rules.h"
 
 typedef struct {
   PetscReal t, length, end;
@@ -14,8 +15,8 @@ typedef struct {
 static int Crawls(Run *self, PetscReal step, PetscReal times, int steps) {
   for (int k = 1; k <= steps; k++, step *= times) {
     self->t += step;
-    if (CrawlStep(&self->crawl, self->t, self->t, crawl_part * PetscMin(self->length, self->end),
-                  self->iterations))
+    if (CrawlStep(&self->crawl, self->t, self->t,
+                  grow_rule.crawl_part * PetscMin(self->length, self->end), self->iterations))
       return k;
   }
   return 0;
