@@ -16,7 +16,7 @@ struct _Output {
   Scene scene;
   MPI_Comm comm;
   PetscInt nodes;
-  const PetscReal *s; /* their labels */
+  const PetscReal *s;            /* their labels */
   char path[PETSC_MAX_PATH_LEN]; /* empty: nothing is stored */
   PetscBool mine, there, broken; /* this rank writes it; it has been written; it could not be */
   PetscBool series_kept, shapes_kept; /* for OutputHarvest() */

@@ -348,23 +348,40 @@ PetscErrorCode GrowStep(Grow *self, PetscReal until) {
   PetscFunctionReturn(0);
 }
 
+/*
+  GrowWithin - the state and its rate at a time within the latest step, or within the one that
+  waits: by the stepper's dense output. Collective.
+
+  V      made here: the caller destroys them
+  begin  of that step; may be NULL
+*/
+PetscErrorCode GrowWithin(Grow *self, PetscReal t, Vec V[2], PetscReal *begin) {
+  PetscReal end = self->seen.t, h = self->seen.step;
+
+  PetscFunctionBegin;
+  if (self->waits) {
+    PetscCall(TSGetTime(self->now->ts, &end));
+    h = end - self->seen.t;
+  }
+  for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(self->now->U, &V[k]));
+  PetscCall(LegInterpolate(self->now, t, end, h, V[0], V[1]));
+  if (begin) *begin = end - h;
+  PetscFunctionReturn(0);
+}
+
 /* GrowSettle - a run by steps goes on from a time within the step that waits, as if that had ended
    there: with what the dense output has. Collective. */
 PetscErrorCode GrowSettle(Grow *self, PetscReal t) {
-  TS ts = self->now->ts;
   Vec V[2];
-  PetscReal end;
 
   PetscFunctionBegin;
   if (!self->waits) PetscFunctionReturn(0);
+  PetscCall(GrowWithin(self, t, V, NULL));
   self->waits = PETSC_FALSE;
-  PetscCall(TSGetTime(ts, &end));
-  for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(self->now->U, &V[k]));
-  PetscCall(LegInterpolate(self->now, t, end, end - self->seen.t, V[0], V[1]));
   PetscCall(GrowObserve(self, t, V[0], V[1]));
   PetscCall(StoreDueShapes(self, t, V[0]));
   PetscCall(VecCopy(V[0], self->now->U));
-  PetscCall(TSSetTime(ts, t));
+  PetscCall(TSSetTime(self->now->ts, t));
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
   PetscFunctionReturn(0);
 }

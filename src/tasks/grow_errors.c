@@ -198,11 +198,9 @@ void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
 /* Where the tip would be, and what the energy, in rigid contact, to first order. */
 static void Rigid(const Grow *self, const PetscReal change[RIGID_VALUES],
                   PetscReal rigid[RIGID_VALUES]) {
-  const PetscReal alpha = self->scene->clamp_angle, c = PetscCosReal(alpha),
-                  s = PetscSinReal(alpha);
-  PetscReal off[3] = {c * change[0] - s * change[1], s * change[0] + c * change[1], 0};
+  PetscReal off[3];
 
-  if (self->scene->space.rod) SpaceToLab(&self->scene->space, change + RIGID_TIP, off);
+  SceneToLab(self->scene, change + RIGID_TIP, off);
   rigid[RIGID_TIP] = self->seen.tip_x1 + grow_rule.to_rigid * off[0];
   rigid[RIGID_TIP + 1] = self->seen.tip_x2 + grow_rule.to_rigid * off[1];
   rigid[RIGID_TIP + 2] = self->seen.tip_x3 + grow_rule.to_rigid * off[2];
@@ -219,19 +217,19 @@ static PetscErrorCode Measure(Grow *self) {
   Least(self, least);
   PetscCall(EstimateTold(self->estimate, part));
   AccuracyMeasured(least, part, Beside(self), &error->most);
-  error->most.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     const WorstError *worst = &self->kept.worst[k];
     if (worst->error > 0) error->most.seen[k] = worst->error;
     error->when[k] = worst->at;
     error->why[k] = (int)worst->why;
-    error->most.all = PetscMax(error->most.all, error->most.seen[k]);
   }
   Latest(self, part, change);
   AccuracyMeasured(least, part, Beside(self), &error->end);
-  error->end.all = 0;
-  for (int k = 0; k < ESTIMATE_SEEN; k++)
+  error->most.all = error->end.all = 0;
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    error->most.all = PetscMax(error->most.all, error->most.seen[k]);
     error->end.all = PetscMax(error->end.all, error->end.seen[k]);
+  }
   error->pressed = self->kept.pressed;
   Rigid(self, change, error->rigid);
   PetscFunctionReturn(0);
@@ -266,6 +264,8 @@ PetscErrorCode GrowErrors(Grow *self) {
     beside += grow_rule.beta_error * PetscPowReal(load->friction.beta, 1. / 6);
   Least(self, least);
   AccuracyMeasured(least, worst, beside, &self->error.most);
+  self->error.most.all = beside;
+  for (int k = 0; k < ESTIMATE_PARTS; k++) self->error.most.all += self->error.most.part[k];
   self->error.end = self->error.most;
   PetscFunctionReturn(0);
 }

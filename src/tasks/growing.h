@@ -95,6 +95,7 @@ PetscErrorCode GrowStore(Grow *self, PetscBool finished);
 PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U);
 PetscErrorCode GrowAfterStep(TS ts);
 PetscErrorCode GrowStep(Grow *self, PetscReal until);
+PetscErrorCode GrowWithin(Grow *self, PetscReal t, Vec V[2], PetscReal *begin);
 PetscErrorCode GrowSettle(Grow *self, PetscReal t);
 PetscErrorCode GrowChange(Grow *self, PetscBool acts);
 PetscErrorCode GrowAnew(Grow *self);
