@@ -79,6 +79,11 @@ def events_are_located_to_the_tolerance():
         whole = scene.Run(f"{FED} -ts_rtol 1e-8 -ts_max_time {found[1]!r}")
         for name in ("tip_speed", "dissipation", "energy", "tip_x2"):
             expect(abs(r[f"series/{name}"][-1] / whole.series[name][-1] - 1) < 1e-4, f"{stop}: {name}")
+    # of a rod in space its place is that in the laboratory, whichever way the clamp points
+    tendril(f"{FED} {out} -rod_model space -clamp_direction 0.1,0.2,1 -stop_length 2.5")
+    r = read(f"{scene.SCRATCH}/e.h5")
+    tip = np.array([r["series/tip_x1"][-1], r["series/tip_x2"][-1]])
+    expect(np.abs(r["event/x"] - tip).max() < 1e-12, f"event at {r['event/x']}, the tip at {tip}")
     expect("-stop_angle" in tendril(f"{FED} -stop_angle 0.01", 1), "already so")
     expect("-stop_length" in tendril(f"{FED} -stop_length 1", 1), "too short")
 
