@@ -82,8 +82,8 @@ static inline PetscReal CurveHermite(const PetscReal poly[4], PetscReal a, Petsc
   return poly[0] * a + poly[1] * a_z + poly[2] * b + poly[3] * b_z;
 }
 
-/* CurveAt - x, x_z and x_zz at place->z. */
-static inline void CurveAt(const CurveCell *cell, CurvePlace *place) {
+/* CurvePlaceAt - x, x_z and x_zz at place->z. */
+static inline void CurvePlaceAt(const CurveCell *cell, CurvePlace *place) {
   const PetscReal *a = cell->x[0], *b = cell->x[1],
                   length[2] = {cell->h * cell->g[0], cell->h * cell->g[1]};
   PetscReal value[4], slope[4], bend[4];
@@ -111,7 +111,7 @@ static inline void CurveRates(const CurveCell *cell, PetscReal z, PetscReal x_t[
   }
 }
 
-/* CurveMove - v = x_t + c t at a place that CurveAt() knows; t = x_z/|x_z|. */
+/* CurveMove - v = x_t + c t at a place that CurvePlaceAt() knows; t = x_z/|x_z|. */
 static inline void CurveMove(const CurveCell *cell, const CurvePlace *place, CurveMotion *m) {
   const PetscReal c_z = CurveBetweenSlope(cell->c, place->z);
   PetscReal along, x_t[3], slope_t[3];

@@ -188,6 +188,7 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
   p->at.t = t;
   p->at.q[0] = PetscCosReal(p->node.theta);
   p->at.q[1] = PetscSinReal(p->node.theta);
+  p->at.x[2] = 0;
   for (int d = 0; d < 2; d++) {
     p->at.x[d] = p->node.x[d];
     p->at.v[d] = p->node.x_t[d] + p->c * p->at.q[d];
@@ -199,8 +200,8 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
 /* The middle of a cell by Hermite's formula y_mid = (y_a + y_b)/2 + h/8 (y'_a - y'_b); feet: what
    they add to n' at a, between and at b, NULL: none. */
 static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
-                                const Sample *a, const Sample *b, const PetscReal (*feet)[2],
-                                Sample *mid) {
+                                const Sample *a, const Sample *b,
+                                const PetscReal (*feet)[FOOT_LOAD], Sample *mid) {
   const Sample *end[2] = {a, b};
   PetscReal h = sb - sa;
 
@@ -351,12 +352,12 @@ static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
 
 /* What feet on posts add to n' in cell i, NULL: nothing; cells are asked for one after the other, k
    is how many with feet are behind. */
-static const PetscReal (*FeetOf(Observer self, PetscInt i, PetscInt *k))[2] {
+static const PetscReal (*FeetOf(Observer self, PetscInt i, PetscInt *k))[FOOT_LOAD] {
   const TouchFeet *feet;
   PetscInt n = self->touching ? TouchingFeet(self->touching, &feet) : 0;
 
   if (*k >= n || feet[*k].cell != i) return NULL;
-  return (const PetscReal(*)[2])feet[(*k)++].load;
+  return (const PetscReal(*)[FOOT_LOAD])feet[(*k)++].load;
 }
 
 /* Integrals over a piece of a rod in the plane by Simpson's rule on each cell, and what is read at
@@ -780,7 +781,7 @@ PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, 
 static PetscReal Lift(Scene scene, PetscReal most) {
   const PetscReal small = 1e-100;
 
-  return most < small && scene->load.clamp[1] == 0 ? 0x1p800 : 1;
+  return most < small && scene->load.lab[1][0] == 0 ? 0x1p800 : 1;
 }
 
 /* What all ranks have seen of their pieces, together: a number is a sum, or 0 on all but one. */

@@ -42,8 +42,8 @@ static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observat
   sum->energy += dl * bending;
   sum->energy_twist += dl * PetscSqr(p->moment[0]) / p->law.S[0] / 2;
   sum->growth_power += dl * growth - weight * p->law.strain * Tension3(p);
-  sum->dissipation += dl * (Dot3(p->F, p->at.W) + p->F[SPIN] * p->spin);
-  sum->weight_power += dl * Dot3(w, p->at.W);
+  sum->dissipation += dl * (Dot3(p->F, p->at.v) + p->F[SPIN] * p->spin);
+  sum->weight_power += dl * Dot3(w, p->at.v);
   sum->friction_force_1 -= dl * p->F[0]; /* in the clamp's frame, as in the plane */
   sum->friction_force_2 -= dl * p->F[1];
   sum->friction_force_3 -= dl * p->F[2];
@@ -112,9 +112,9 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
   PetscReal lab[3], omega[3], force[3];
 
   Omega(p, omega);
-  seen->tip_speed = PetscSqrtReal(Dot3(p->at.W, p->at.W));
+  seen->tip_speed = PetscSqrtReal(Dot3(p->at.v, p->at.v));
   seen->tip_spin = p->spin;
-  seen->tip_power = Dot3(tip->n3, p->at.W) - Dot3(contact, p->at.W) + Dot3(tip->m3, omega) -
+  seen->tip_power = Dot3(tip->n3, p->at.v) - Dot3(contact, p->at.v) + Dot3(tip->m3, omega) -
                     contact[SPIN] * p->spin;
   SceneToLab(scene, tip->x3, lab);
   seen->tip_x1 = lab[0];
@@ -136,7 +136,7 @@ static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, co
   CurveParabola(z, w, NULL);
   for (int d = 0; d < 3; d++) {
     x[d] = w[0] * a->node.x3[d] + w[1] * mid->node.x3[d] + w[2] * b->node.x3[d];
-    v[d] = w[0] * a->at.W[d] + w[1] * mid->at.W[d] + w[2] * b->at.W[d];
+    v[d] = w[0] * a->at.v[d] + w[1] * mid->at.v[d] + w[2] * b->at.v[d];
   }
   seen->mid_distance = PetscSqrtReal(Dot3(x, x));
   seen->mid_speed = PetscSqrtReal(Dot3(v, v));
@@ -165,9 +165,9 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
   SampleFill3(scene, t, law, &b);
   if (!first) MeasureClamp3(scene, &b, seen);
   for (PetscInt i = first; i < end; i++, law += 2) {
-    const PetscReal(*load)[FOOT3_LOAD] = NULL, h = s[i + 1] - s[i];
+    const PetscReal(*load)[FOOT_LOAD] = NULL, h = s[i + 1] - s[i];
     for (; n > 0 && feet->cell < i; n--) feet++;
-    if (n > 0 && feet->cell == i) load = feet->load3;
+    if (n > 0 && feet->cell == i) load = feet->load;
     a = b;
     b.node = node[i + 1 - first];
     b.push = push ? push[2 * i + 2] : NULL;

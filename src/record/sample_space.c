@@ -38,14 +38,14 @@ static void Fill(PetscReal t, const SampleLaw *law, Sample3 *p) {
   for (int k = 0; k < 3; k++) {
     p->at.x[k] = node->x3[k];
     p->at.q[k] = p->d[0][k];
-    p->at.W[k] = node->x3_t[k] + p->law.c * p->d[0][k];
+    p->at.v[k] = node->x3_t[k] + p->law.c * p->d[0][k];
   }
 }
 
 /* The friction at a point whose directors turn at p->turns. */
 static void Rub(Scene scene, Sample3 *p) {
   p->spin = p->turns + p->law.c * p->u[0];
-  p->at.W[SPIN] = scene->load.arm * p->spin;
+  p->at.v[SPIN] = scene->load.arm * p->spin;
   LoadSeen3(&scene->load, &p->at, p->F);
 }
 
@@ -88,7 +88,7 @@ static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscRe
    add to n' and m' at a, between and at b; NULL: none. */
 PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
                           const SampleLaw *law, const Sample3 *a, const Sample3 *b,
-                          const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid) {
+                          const PetscReal (*feet)[FOOT_LOAD], Sample3 *mid) {
   const PetscBool feels = (PetscBool)(scene->load.radius > 0);
   PetscReal h = sb - sa, turns = 0;
   TwistRate rate[2] = {{0, 0}, {0, 0}};

@@ -2,7 +2,7 @@
 #ifndef TENDRIL_SAMPLE_SPACE_H
 #define TENDRIL_SAMPLE_SPACE_H
 
-#include "rod/feet_space.h"
+#include "rod/feet.h"
 #include "rod/rod.h"
 
 enum {
@@ -22,13 +22,13 @@ typedef struct {
   PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
   PetscReal turns, spin, F[RUBS];     /* spin of the directors, of the material; load of friction */
   const PetscReal *push;              /* of contact, per length; NULL: none */
-  Place3 at;
+  Place at;
 } Sample3;
 
 PetscErrorCode SampleLaws(Scene scene, PetscReal t, PetscInt first, PetscInt end, SampleLaw law[]);
 void SampleFill3(Scene scene, PetscReal t, const SampleLaw *law, Sample3 *sample);
 PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
                           const SampleLaw *law, const Sample3 *a, const Sample3 *b,
-                          const PetscReal (*feet)[FOOT3_LOAD], Sample3 *mid);
+                          const PetscReal (*feet)[FOOT_LOAD], Sample3 *mid);
 
 #endif

@@ -38,7 +38,7 @@ PetscErrorCode TouchingDestroy(Touching *touching) {
 
 /* A collocation point: what walls need to know of it. */
 typedef struct {
-  PetscReal s, g, weight, strain, x[2], v[2];
+  PetscReal s, g, weight, strain, x[3], v[2]; /* x3 = 0 */
   PetscReal enters; /* at the clamp: the length that comes in there in a unit of time; else 0 */
 } Spot;
 
@@ -80,6 +80,7 @@ static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscB
   PetscReal g[2], g_t[2], x_t[2] = {nodes[i].x_t[0], nodes[i].x_t[1]}, theta = nodes[i].theta;
 
   PetscFunctionBegin;
+  *spot = (Spot){.s = 0};
   spot->s = half ? (s[i] + s[i + 1]) / 2 : s[i];
   for (int d = 0; d < 2; d++) spot->x[d] = nodes[i].x[d];
   if (half) {
@@ -123,15 +124,6 @@ static void AddWall(const Contact *contact, const Touch *touch, const Spot *spot
   }
 }
 
-/* The smallest gap so far. */
-static void Nearest(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal x[2]) {
-  if (gap >= sum->nearest) return;
-  sum->nearest = gap;
-  sum->at[0] = s;
-  sum->at[1] = -1;
-  for (int d = 0; d < 2; d++) sum->x[d] = x[d];
-}
-
 /* The walls on one point, and on the tip besides if it is the last; do they touch it? */
 static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscReal force[2],
                         TouchSum *sum) {
@@ -148,12 +140,12 @@ static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscRea
     if (tip) AddWall(contact, &touch[k], spot, contact->tip, contact->tip_t, on_tip, sum);
   }
   for (int d = 0; d < 2 && tip; d++) sum->tip[d] += contact->tip * on_tip[d];
-  Nearest(sum, gap, spot->s, spot->x);
+  TouchNearest(sum, gap, spot->s, spot->x);
   return ContactBears(contact, gap);
 }
 
-/* TouchingAdd - room for what the feet of one more cell add, 0 so far; valid until the next one. */
-PetscErrorCode TouchingAdd(Touching self, PetscInt cell, TouchFeet **feet) {
+/* Room for what the feet of one more cell add, 0 so far; valid until the next one. */
+static PetscErrorCode AddCell(Touching self, PetscInt cell, TouchFeet **feet) {
   PetscFunctionBegin;
   if (self->feet == self->room) {
     self->room = 2 * self->room + 8;
@@ -164,67 +156,94 @@ PetscErrorCode TouchingAdd(Touching self, PetscInt cell, TouchFeet **feet) {
   PetscFunctionReturn(0);
 }
 
+/* What one foot amounts to. */
+static void AddFoot(const Contact *contact, const FootCell *cell, const Feet *feet, PetscInt k,
+                    TouchSum *sum) {
+  const Foot *foot = &feet->foot[k];
+  const Touch3 *touch = &feet->touch[k];
+  const PetscReal U = ContactEnergy(contact, touch->gap),
+                  strength_t = foot->strength_t + FootShareRate(contact, cell, feet, k);
+
+  sum->energy += foot->strength * U;
+  sum->strain += strength_t * U + foot->strength * ContactEnergyRate(contact, touch->gap);
+  sum->normal += foot->normal;
+  sum->loss += foot->power;
+  for (int d = 0; d < 3; d++) {
+    if (touch->moves) sum->moved += foot->force[d] * touch->v[d];
+    sum->wall[d] += foot->force[d];
+  }
+}
+
+/*
+  TouchingCell - all feet of cell i.
+
+  touches  one does      load  what they add to its points; NULL: there are none
+*/
+PetscErrorCode TouchingCell(Touching self, PetscInt i, const FootCell *cell, TouchSum *sum,
+                            PetscBool *touches, const PetscReal (**load)[FOOT_LOAD]) {
+  const FeetHeld none = {.first = NULL};
+  const Contact *contact = &self->scene->contact;
+  const PetscReal *s = self->scene->mesh.s;
+  TouchFeet *room = NULL;
+  Feet feet;
+
+  PetscFunctionBegin;
+  *touches = PETSC_FALSE;
+  *load = NULL;
+  FeetFind(contact, cell, PetscMax(contact->smooth, sum->nearest), &feet);
+  if (!feet.n) PetscFunctionReturn(0);
+  FeetPush(contact, cell, none, &feet);
+  PetscCall(AddCell(self, i, &room));
+  FeetHandOut(cell, &feet, room->load);
+  *load = (const PetscReal(*)[FOOT_LOAD])room->load;
+  for (PetscInt k = 0; k < feet.n; k++) {
+    const CurvePlace *on = &feet.foot[k].on;
+    AddFoot(contact, cell, &feet, k, sum);
+    TouchNearest(sum, feet.touch[k].gap, s[i] + on->z * (s[i + 1] - s[i]), on->x);
+    if (ContactBears(contact, feet.touch[k].gap)) *touches = PETSC_TRUE;
+  }
+  PetscFunctionReturn(0);
+}
+
 /* Cell i, for its feet. */
 static PetscErrorCode FeetsCell(Scene scene, PetscReal t, const Node *nodes, PetscBool moves,
                                 PetscInt i, FootCell *cell) {
   const PetscReal *s = scene->mesh.s, *at = s + i;
+  CurveCell *curve = &cell->curve;
+  PetscReal g_t[2];
 
   PetscFunctionBegin;
-  *cell = (FootCell){.h = at[1] - at[0], .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};
+  *cell = (FootCell){.dims = 2, .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};
+  curve->h = at[1] - at[0];
   cell->first = (PetscBool)(i == 0);
   cell->last = (PetscBool)(i == scene->mesh.cells - 1);
-  PetscCall(GrowthStretch(scene->growth, 2, at, t, cell->g, cell->g_t, NULL));
+  PetscCall(GrowthStretch(scene->growth, 2, at, t, curve->g, g_t, NULL));
   for (int k = 0; k < FOOT_PARTS; k++)
-    cell->c[k] = GrowthSlide(scene->growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
+    curve->c[k] = GrowthSlide(scene->growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
   for (int e = 0; e < 2; e++) {
     const Node *node = &nodes[i + e];
-    cell->q[e][0] = PetscCosReal(node->theta);
-    cell->q[e][1] = PetscSinReal(node->theta);
-    cell->theta_t[e] = node->theta_t;
+    const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)},
+                    perp[2] = {-q[1], q[0]}, turn = curve->g[e] * node->theta_t;
     for (int d = 0; d < 2; d++) {
-      cell->x[e][d] = node->x[d];
-      cell->x_t[e][d] = node->x_t[d];
+      curve->q[e][d] = q[d];
+      curve->slope_t[e][d] = g_t[e] * q[d] + turn * perp[d];
+      curve->x[e][d] = node->x[d];
+      curve->x_t[e][d] = node->x_t[d];
     }
   }
   PetscFunctionReturn(0);
 }
 
-/* One foot: what it amounts to. */
-static void AddFoot(Touching self, const FootCell *cell, PetscInt i, Foot *foot, FootLoad load,
-                    TouchSum *sum) {
-  const Contact *contact = &self->scene->contact;
-  const PetscReal *s = self->scene->mesh.s, U = ContactEnergy(contact, foot->gap);
-
-  Nearest(sum, foot->gap, s[i] + foot->z * (s[i + 1] - s[i]), foot->x);
-  if (foot->gap >= contact->smooth) return;
-  FootPush(contact, cell, NULL, foot);
-  FootHandOut(cell, foot, load);
-  sum->energy += foot->strength * U;
-  sum->strain += foot->strength_t * U + foot->strength * ContactEnergyRate(contact, foot->gap);
-  sum->normal += foot->strength * foot->p;
-  sum->loss -= foot->slip * (foot->n[0] * foot->force[1] - foot->n[1] * foot->force[0]);
-  for (int d = 0; d < 2; d++) sum->wall[d] += foot->force[d];
-}
-
 /* All posts that are met at their feet; touches: of each cell, does one touch it? */
 static PetscErrorCode LookAtPosts(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                                   PetscBool touches[], TouchSum *sum) {
-  const Contact *contact = &self->scene->contact;
-  Foot foot[MOST_FEET];
-  TouchFeet *feet;
+  const PetscReal(*load)[FOOT_LOAD];
   FootCell cell;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < self->scene->mesh.cells && contact->thin; i++) {
-    PetscInt n;
+  for (PetscInt i = 0; i < self->scene->mesh.cells && self->scene->contact.thin; i++) {
     PetscCall(FeetsCell(self->scene, t, nodes, moves, i, &cell));
-    n = FeetFind(contact, &cell, PetscMax(contact->smooth, sum->nearest), foot);
-    if (!n) continue;
-    PetscCall(TouchingAdd(self, i, &feet));
-    for (PetscInt k = 0; k < n; k++) {
-      AddFoot(self, &cell, i, &foot[k], feet->load, sum);
-      if (ContactBears(contact, foot[k].gap)) touches[i] = PETSC_TRUE;
-    }
+    PetscCall(TouchingCell(self, i, &cell, sum, &touches[i], &load));
   }
   PetscFunctionReturn(0);
 }
@@ -363,13 +382,10 @@ PetscErrorCode TouchingShow(Touching self, PetscReal t, const Node *nodes) {
       PetscReal g, part = 1;
       if (k != 1) part = h / (s[PetscMin(node + 1, last)] - s[PetscMax(node - 1, 0)]);
       PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
-      for (int d = 0; d < 3 && space; d++)
-        self->force[2 * i + k][d] -= part / g * self->foot[f].load3[k][d];
+      for (int d = 0; d < 3; d++) self->force[2 * i + k][d] -= part / g * self->foot[f].load[k][d];
       if (space)
         self->force[2 * i + k][SPIN] -=
-            part / g * AboutTangent(nodes, 2 * i + k, &self->foot[f].load3[k][3]);
-      for (int d = 0; d < 2 && !space; d++)
-        self->force[2 * i + k][d] -= part / g * self->foot[f].load[k][d];
+            part / g * AboutTangent(nodes, 2 * i + k, &self->foot[f].load[k][3]);
     }
   PetscFunctionReturn(0);
 }

@@ -4,7 +4,6 @@
 #define TENDRIL_TOUCHING_H
 
 #include "rod/feet.h"
-#include "rod/feet_space.h"
 #include "rod/rod.h"
 #include "rod/strands.h"
 #include "record/sample_space.h"
@@ -26,8 +25,16 @@ typedef struct {
 typedef struct {
   PetscInt cell;
   FootLoad load;
-  FootLoad3 load3;
 } TouchFeet;
+
+/* TouchNearest - takes note of a gap at a label, if it is the smallest so far. */
+static inline void TouchNearest(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal x[3]) {
+  if (gap >= sum->nearest) return;
+  sum->nearest = gap;
+  sum->at[0] = s;
+  sum->at[1] = -1;
+  for (int d = 0; d < 3; d++) sum->x[d] = x[d];
+}
 
 typedef struct _Touching *Touching;
 
@@ -41,7 +48,8 @@ PetscErrorCode TouchingLook(Touching touching, PetscReal t, const Node *nodes, P
                             TouchingAsks asks, TouchSum *sum, const PetscReal (**force)[PUSH]);
 PetscInt TouchingFeet(Touching touching, const TouchFeet **feet);
 const SampleLaw *TouchingLaws(Touching touching);
-PetscErrorCode TouchingAdd(Touching touching, PetscInt cell, TouchFeet **feet);
+PetscErrorCode TouchingCell(Touching touching, PetscInt i, const FootCell *cell, TouchSum *sum,
+                            PetscBool *touches, const PetscReal (**load)[FOOT_LOAD]);
 PetscErrorCode TouchingWalls3(Touching touching, Scene scene, PetscReal t, const Node *nodes,
                               PetscBool moves, PetscInt likely, const SampleLaw law[],
                               PetscReal (*force)[PUSH], TouchSum *sum);

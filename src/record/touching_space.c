@@ -29,21 +29,13 @@ static void AddWall3(const Contact *contact, const Touch3 *touch, const Rubbed *
   force[SPIN] += push.couple;
 }
 
-static void Nearest3(TouchSum *sum, PetscReal gap, PetscReal s, const PetscReal x[3]) {
-  if (gap >= sum->nearest) return;
-  sum->nearest = gap;
-  sum->at[0] = s;
-  sum->at[1] = -1;
-  for (int d = 0; d < 3; d++) sum->x[d] = x[d];
-}
-
 /* The walls on one point, and on the tip besides if it is that; do they touch it? bound: what is
    farther is not the nearest. */
 static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal bound,
                         PetscReal force[PUSH], TouchSum *sum) {
   const PetscReal rest[3] = {0};
-  const Place3 *place = &spot->sample->at;
-  const Rubbed at = {place->x, place->q, spot->moves ? place->W : rest,
+  const Place *place = &spot->sample->at;
+  const Rubbed at = {place->x, place->q, spot->moves ? place->v : rest,
                      spot->moves ? spot->sample->spin : 0};
   const PetscReal within = PetscMax(contact->smooth, PetscMin(sum->nearest, bound)),
                   gap = ContactGap3(contact, place->x, within);
@@ -56,7 +48,7 @@ static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal bou
     if (spot->tip) AddWall3(contact, &touch[k], &at, contact->tip, contact->tip_t, on_tip, sum);
   }
   for (int d = 0; d < PUSH && spot->tip; d++) sum->tip[d] += contact->tip * on_tip[d];
-  if (gap < within) Nearest3(sum, gap, spot->s, place->x);
+  if (gap < within) TouchNearest(sum, gap, spot->s, place->x);
   return ContactBears(contact, gap);
 }
 
@@ -74,80 +66,33 @@ static Spot3 SpotOf(const Sample3 *sample, PetscReal s, PetscReal weight, PetscB
 
 /* The cell between two nodes, for its feet; t: the time. */
 static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, const Sample3 *a,
-                      const Sample3 *b, FootCell3 *cell) {
+                      const Sample3 *b, FootCell *cell) {
   const PetscReal *s = scene->mesh.s;
   const Sample3 *end[2] = {a, b};
+  CurveCell *curve = &cell->curve;
 
-  *cell = (FootCell3){.h = s[i + 1] - s[i], .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};
+  *cell = (FootCell){.dims = 3, .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};
+  curve->h = s[i + 1] - s[i];
   cell->first = (PetscBool)(i == 0);
   cell->last = (PetscBool)(i == scene->mesh.cells - 1);
   for (int k = 0; k < FOOT_PARTS; k++)
-    cell->c[k] = GrowthSlide(scene->growth, (s[i + k / 2] + s[i + (k + 1) / 2]) / 2, t);
+    curve->c[k] = GrowthSlide(scene->growth, (s[i + k / 2] + s[i + (k + 1) / 2]) / 2, t);
   for (int e = 0; e < 2; e++) {
     const Sample3 *p = end[e];
     const PetscReal *p_t = p->node.p_t, size = QuaternionSize(p->node.p);
     PetscReal D[3][4];
     DirectorSlope(p->node.p, size, p->d[0], 0, D);
-    cell->g[e] = p->law.g;
+    curve->g[e] = p->law.g;
     cell->spin[e] = p->spin;
     for (int d = 0; d < 3; d++) {
-      cell->x[e][d] = p->node.x3[d];
-      cell->q[e][d] = p->d[0][d];
-      cell->x_t[e][d] = p->node.x3_t[d];
-      cell->slope_t[e][d] =
+      curve->x[e][d] = p->node.x3[d];
+      curve->q[e][d] = p->d[0][d];
+      curve->x_t[e][d] = p->node.x3_t[d];
+      curve->slope_t[e][d] =
           p->law.g_t * p->d[0][d] +
           p->law.g * (D[d][0] * p_t[0] + D[d][1] * p_t[1] + D[d][2] * p_t[2] + D[d][3] * p_t[3]);
     }
   }
-}
-
-/* What one foot amounts to. */
-static void AddFoot3(const Contact *contact, const FootCell3 *cell, const Feet3 *feet, PetscInt k,
-                     TouchSum *sum) {
-  const Foot3 *foot = &feet->foot[k];
-  const Touch3 *touch = &feet->touch[k];
-  const PetscReal U = ContactEnergy(contact, touch->gap),
-                  strength_t = foot->strength_t + FootShareRate3(contact, cell, feet, k);
-
-  sum->energy += foot->strength * U;
-  sum->strain += strength_t * U + foot->strength * ContactEnergyRate(contact, touch->gap);
-  sum->normal += foot->normal;
-  sum->loss += foot->power;
-  for (int d = 0; d < 3; d++) {
-    if (touch->moves) sum->moved += foot->force[d] * touch->v[d];
-    sum->wall[d] += foot->force[d];
-  }
-}
-
-/* All feet of the cell between two nodes; touches: one does; load: what they add to its points,
-   NULL: there are none. */
-static PetscErrorCode Feet(Touching self, Scene scene, PetscReal t, PetscInt i, PetscBool moves,
-                           const Sample3 *a, const Sample3 *b, TouchSum *sum, PetscBool *touches,
-                           const PetscReal (**load)[FOOT3_LOAD]) {
-  const Contact *contact = &scene->contact;
-  const PetscReal *s = scene->mesh.s;
-  TouchFeet *room;
-  FootCell3 cell;
-  Feet3 feet;
-
-  PetscFunctionBegin;
-  *touches = PETSC_FALSE;
-  *load = NULL;
-  if (!contact->thin) PetscFunctionReturn(0);
-  FeetsCell(scene, t, i, moves, a, b, &cell);
-  FeetFind3(contact, &cell, PetscMax(contact->smooth, sum->nearest), &feet);
-  if (!feet.n) PetscFunctionReturn(0);
-  FeetPush3(contact, &cell, NULL, &feet);
-  PetscCall(TouchingAdd(self, i, &room));
-  FeetHandOut3(&cell, &feet, room->load3);
-  *load = (const PetscReal(*)[FOOT3_LOAD])room->load3;
-  for (PetscInt k = 0; k < feet.n; k++) {
-    const Foot3 *foot = &feet.foot[k];
-    AddFoot3(contact, &cell, &feet, k, sum);
-    Nearest3(sum, feet.touch[k].gap, s[i] + foot->z * (s[i + 1] - s[i]), foot->x);
-    if (ContactBears(contact, feet.touch[k].gap)) *touches = PETSC_TRUE;
-  }
-  PetscFunctionReturn(0);
 }
 
 /*
@@ -184,9 +129,13 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
     spot.tip = (PetscBool)(i == cells && scene->tip.type == TIP_FREE);
     touches = Walls3(&scene->contact, &spot, bound, force[2 * i], sum);
     if (i) { /* the middle of the cell before it follows from both its ends */
-      const PetscReal(*feet)[FOOT3_LOAD];
-      PetscBool between, at_feet;
-      PetscCall(Feet(self, scene, t, i - 1, moves, &a, &b, sum, &at_feet, &feet));
+      const PetscReal(*feet)[FOOT_LOAD] = NULL;
+      PetscBool between, at_feet = PETSC_FALSE;
+      FootCell cell;
+      if (scene->contact.thin) {
+        FeetsCell(scene, t, i - 1, moves, &a, &b, &cell);
+        PetscCall(TouchingCell(self, i - 1, &cell, sum, &at_feet, &feet));
+      }
       PetscCall(SampleMid3(scene, s[i - 1], s[i], t, &law[2 * i - 1], &a, &b, feet, &mid));
       spot = SpotOf(&mid, (s[i - 1] + s[i]) / 2, 4 * ahead / 6, moves);
       between = Walls3(&scene->contact, &spot, bound, force[2 * i - 1], sum);

@@ -67,45 +67,23 @@ static void NoteWall(const Brush *brush, PetscInt wall, PetscReal deep, PetscRea
     *depth = PetscMax(*depth, deep);
 }
 
-/* LookAtFeet() of a rod in space. */
-static PetscErrorCode LookAtFeet3(Rod rod, PetscReal t, Vec U, const Brush *brush,
-                                  PetscReal *depth) {
-  const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
-  const Contact *contact = &rod->scene->contact;
-  FootCell3 *cell;
-  Feet3 feet;
-
-  PetscFunctionBegin;
-  if (!contact->thin) PetscFunctionReturn(0);
-  PetscCall(PetscMalloc1(n, &cell));
-  PetscCall(RodFootCells3(rod, t, U, n, cell));
-  for (PetscInt k = 0; k < n; k++) {
-    FeetFind3(contact, &cell[k], depth ? 0 : contact->smooth, &feet);
-    for (PetscInt j = 0; j < feet.n; j++)
-      NoteWall(brush, feet.touch[j].wall, -feet.touch[j].gap, depth);
-  }
-  PetscCall(PetscFree(cell));
-  PetscFunctionReturn(0);
-}
-
 /* Marks the walls that are in touch in a state at feet, or tells how deep the others are: NULL
    depth, or NULL node. */
 static PetscErrorCode LookAtFeet(Rod rod, PetscReal t, Vec U, const Brush *brush,
                                  PetscReal *depth) {
   const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
   const Contact *contact = &rod->scene->contact;
-  Foot foot[MOST_FEET];
   FootCell *cell;
+  Feet feet;
 
   PetscFunctionBegin;
-  if (rod->model->space) PetscCall(LookAtFeet3(rod, t, U, brush, depth));
-  if (!contact->thin || rod->model->space) PetscFunctionReturn(0);
+  if (!contact->thin) PetscFunctionReturn(0);
   PetscCall(PetscMalloc1(n, &cell));
   PetscCall(RodFootCells(rod, t, U, n, cell));
   for (PetscInt k = 0; k < n; k++) {
-    const PetscInt feet = FeetFind(contact, &cell[k], depth ? 0 : contact->smooth, foot);
-    for (PetscInt j = 0; j < feet; j++)
-      NoteWall(brush, contact->walls.post[foot[j].post].wall, -foot[j].gap, depth);
+    FeetFind(contact, &cell[k], depth ? 0 : contact->smooth, &feet);
+    for (PetscInt j = 0; j < feet.n; j++)
+      NoteWall(brush, feet.touch[j].wall, -feet.touch[j].gap, depth);
   }
   PetscCall(PetscFree(cell));
   PetscFunctionReturn(0);

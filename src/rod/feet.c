@@ -1,208 +1,93 @@
 #include "rod/feet.h"
-#include "base/bezier.h"
-#include "curve/cell.h"
-#include "rod/rules.h"
+#include "base/clones.h"
 
-static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
-  return a[0] * b[0] + a[1] * b[1];
+/* ---- what walls do at a foot ---- */
+
+/* As contact.h has it. */
+static Touch Flat(const Touch3 *touch) {
+  return (Touch){.gap = touch->gap,
+                 .normal = {touch->normal[0], touch->normal[1]},
+                 .bend = touch->bend[0][0] + touch->bend[1][1],
+                 .wall = touch->wall};
 }
 
-/* ---- the curve ---- */
+/* The push of a post in the plane. */
+static void PushFlat(const Contact *contact, const Touch3 *touch, const Foot *foot,
+                     const FrictionDual *dual, Push3 *push) {
+  const Touch flat = Flat(touch);
+  Push of;
 
-/* The sum of values at the ends and slopes there, by the polynomials. */
-static inline PetscReal Sum(const PetscReal poly[4], PetscReal a, PetscReal a_z, PetscReal b,
-                            PetscReal b_z) {
-  return poly[0] * a + poly[1] * a_z + poly[2] * b + poly[3] * b_z;
+  ContactPush(contact, &flat, foot->v, dual, &of);
+  *push = (Push3){.force = {of.force[0], of.force[1]}, .normal = of.normal, .power = of.power};
 }
 
-/* FootCellBlock - what holds a cell's curve: the four points of its Bezier polygon. */
-Block FootCellBlock(const FootCell *cell) {
-  Block block = BlockEmpty(2);
-  PetscReal b[4][2];
+/* ... and its derivatives, by x and v; with the push, for the dual is then another. */
+static void SlopeFlat(const Contact *contact, const Touch3 *touch, const Foot *foot,
+                      PetscBool fresh, FrictionDual *dual, Push3 *push) {
+  const Touch flat = Flat(touch);
+  Push of;
 
-  BezierOfCell(2, cell->h, cell->g, cell->x[0], cell->q[0], b[0]);
-  for (int k = 0; k < 4; k++) BlockHold(2, &block, b[k]);
-  return block;
+  ContactPushSlope(contact, &flat, foot->v, fresh, dual, &of);
+  PushFlat(contact, touch, foot, dual, push);
+  for (int d = 0; d < 2; d++)
+    for (int c = 0; c < 2; c++) {
+      push->x[d][c] = of.x[d][c];
+      push->W[d][c] = of.v[d][c];
+    }
 }
 
-static void PlaceOn(const FootCell *cell, Foot *foot) {
-  PetscReal value[4], slope[4], bend[4];
+static Rubbed RubbedOf(const Foot *foot) {
+  return (Rubbed){foot->on.x, foot->t, foot->v, foot->spin};
+}
 
-  Hermite(foot->z, value, slope, bend);
-  for (int d = 0; d < 2; d++) {
-    const PetscReal a = cell->x[0][d], a_z = cell->h * cell->g[0] * cell->q[0][d],
-                    b = cell->x[1][d], b_z = cell->h * cell->g[1] * cell->q[1][d];
-    foot->x[d] = Sum(value, a, a_z, b, b_z);
-    foot->slope[d] = Sum(slope, a, a_z, b, b_z);
-    foot->bend[d] = Sum(bend, a, a_z, b, b_z);
+/* What a wall does to the k-th foot. */
+static void PushOf(const Contact *contact, const FootCell *cell, FeetHeld held, const Feet *feet,
+                   PetscInt k, Push3 *push) {
+  const Rubbed at = RubbedOf(&feet->foot[k]);
+
+  if (cell->dims == 2)
+    PushFlat(contact, &feet->touch[k], &feet->foot[k], k ? NULL : held.first, push);
+  else
+    ContactPush3(contact, &feet->touch[k], &at, held.slots, push);
+}
+
+/* The push at a foot, times its strength. */
+static void Bear(const Push3 *push, Foot *foot) {
+  for (int d = 0; d < 3; d++) foot->force[d] = foot->strength * push->force[d];
+  foot->couple = foot->strength * push->couple;
+  foot->normal = foot->strength * push->normal;
+  foot->power = foot->strength * push->power;
+}
+
+/* How the place moves, v = x_t + c t, the spin even between the ends. */
+static void MotionOf(const FootCell *cell, Foot *foot, CurveMotion *m) {
+  const PetscReal z = foot->on.z;
+
+  CurveMove(&cell->curve, &foot->on, m);
+  foot->spin = cell->moves ? cell->spin[0] + z * (cell->spin[1] - cell->spin[0]) : 0;
+  for (int d = 0; d < 3; d++) {
+    foot->t[d] = m->t[d];
+    foot->v[d] = cell->moves ? m->v[d] : 0;
   }
 }
 
-/* (x - c).x_z at a foot */
-static PetscReal Lean(const Foot *foot, const PetscReal c[2]) {
-  const PetscReal o[2] = {foot->x[0] - c[0], foot->x[1] - c[1]};
-  return Dot(o, foot->slope);
-}
-
-/* The root of (x - c).x_z between 0 and 1, where it goes from below 0 to above: by Newton's method,
-   or by halves where that leaves what is known to hold the root. */
-static void Descend(const FootCell *cell, const PetscReal c[2], Foot *foot) {
-  PetscReal low = 0, high = 1;
-
-  foot->z = 0.5;
-  for (int k = 0; k < rod_rule.nearest_iterations; k++) {
-    PetscReal f, f_z, z, o[2];
-    PlaceOn(cell, foot);
-    f = Lean(foot, c);
-    *(f > 0 ? &high : &low) = foot->z;
-    for (int d = 0; d < 2; d++) o[d] = foot->x[d] - c[d];
-    f_z = Dot(foot->slope, foot->slope) + Dot(o, foot->bend);
-    z = f_z > 0 ? foot->z - f / f_z : -1;
-    if (!(z > low && z < high)) z = (low + high) / 2;
-    if (PetscAbsReal(z - foot->z) < rod_rule.nearest_found || high - low < rod_rule.nearest_found)
-      return;
-    foot->z = z;
-  }
-  PlaceOn(cell, foot);
-}
-
-/* FootAbout - is the curve of a cell nearest to c within the cell, or at its end if that is the
-   rod's? (A cell asks by the directions of its nodes: so of two cells one has it.) Where: z, x and
-   its derivatives, ends. */
-PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot) {
-  PetscReal lean[2];
-
-  for (int e = 0; e < 2; e++) {
-    const PetscReal o[2] = {cell->x[e][0] - c[0], cell->x[e][1] - c[1]};
-    lean[e] = Dot(o, cell->q[e]);
-  }
-  foot->ends = PETSC_TRUE;
-  if (cell->first && lean[0] > 0)
-    foot->z = 0;
-  else if (cell->last && lean[1] <= 0)
-    foot->z = 1;
-  else if (lean[0] <= 0 && lean[1] > 0) {
-    foot->ends = PETSC_FALSE;
-    Descend(cell, c, foot);
-    return PETSC_TRUE;
-  } else
-    return PETSC_FALSE;
-  PlaceOn(cell, foot);
-  return PETSC_TRUE;
-}
-
-/* ---- which posts are near ---- */
-
-/* A search under way. */
-typedef struct {
-  const Contact *contact;
-  const FootCell *cell;
-  PetscReal within;
-  PetscInt n;
-  Foot *foot;
-} Looking;
-
-static PetscReal Meet(PetscInt item, PetscReal reach, void *ctx) {
-  Looking *look = (Looking *)ctx;
-  const WallPost *post = &look->contact->walls.post[item];
-  Foot foot = {.post = item};
-  PetscReal share_t,
-      share = ContactPostShare(look->contact, post->r + look->contact->diameter / 2, &share_t);
-  PetscInt k = look->n;
-
-  if (share == 0 || !FootAbout(look->cell, post->at, &foot)) return reach;
-  for (int d = 0; d < 2; d++) foot.n[d] = foot.x[d] - post->at[d];
-  foot.distance = hypot(foot.n[0], foot.n[1]);
-  foot.gap = foot.distance - post->r - look->contact->diameter / 2;
-  if (foot.gap >= look->within || foot.distance == 0 || k == MOST_FEET) return reach;
-  for (int d = 0; d < 2; d++) foot.n[d] /= foot.distance;
-  foot.strength = share * look->contact->tip;
-  foot.strength_t = share * look->contact->tip_t + share_t * look->contact->tip;
-  for (; k > 0 && look->foot[k - 1].post > item; k--) look->foot[k] = look->foot[k - 1];
-  look->foot[k] = foot;
-  look->n++;
-  return reach;
-}
-
-/* FeetFind - the feet of a cell on posts that are to be met so, with a gap below `within`; returns
-   how many there are, in the order of posts. MOST_FEET: there may be more. */
-PetscInt FeetFind(const Contact *contact, const FootCell *cell, PetscReal within,
-                  Foot foot[MOST_FEET]) {
-  Looking look = {.contact = contact, .cell = cell, .within = within, .foot = foot};
-  Block block;
-
-  if (!contact->thin) return 0;
-  block = FootCellBlock(cell);
-  BlocksNear(contact->walls.near_posts, &block, contact->diameter / 2 + PetscMax(0, within), Meet,
-             &look);
-  return look.n;
-}
-
-/* ---- forces ---- */
-
-/* How fast a place moves, v = x_t + c t; and by z. */
-typedef struct {
-  PetscReal v[2], v_z[2], t[2], size, c; /* tangent, |x_z|, slide */
-} Motion;
-
-/* h times the rate of the slope g q at an end. */
-static void EndRate(const FootCell *cell, int e, PetscReal rate[2]) {
-  const PetscReal turn = cell->g[e] * cell->theta_t[e];
-  rate[0] = cell->h * (cell->g_t[e] * cell->q[e][0] - turn * cell->q[e][1]);
-  rate[1] = cell->h * (cell->g_t[e] * cell->q[e][1] + turn * cell->q[e][0]);
-}
-
-static void MotionOf(const FootCell *cell, const Foot *foot, Motion *m) {
-  const PetscReal z = foot->z, *c = cell->c;
-  PetscReal value[4], slope[4], bend[4], rate[2][2], c_z, along;
-
-  Hermite(z, value, slope, bend);
-  for (int e = 0; e < 2; e++) EndRate(cell, e, rate[e]);
-  m->size = hypot(foot->slope[0], foot->slope[1]);
-  m->c = CurveBetween(c, z);
-  c_z = CurveBetweenSlope(c, z);
-  for (int d = 0; d < 2; d++) m->t[d] = foot->slope[d] / m->size;
-  along = Dot(m->t, foot->bend);
-  for (int d = 0; d < 2; d++) {
-    m->v[d] = Sum(value, cell->x_t[0][d], rate[0][d], cell->x_t[1][d], rate[1][d]) + m->c * m->t[d];
-    m->v_z[d] = Sum(slope, cell->x_t[0][d], rate[0][d], cell->x_t[1][d], rate[1][d]) +
-                c_z * m->t[d] + m->c * (foot->bend[d] - m->t[d] * along) / m->size;
+/* FeetPush - what walls do to the rod at the feet that FeetFind() has found. */
+void FeetPush(const Contact *contact, const FootCell *cell, FeetHeld held, Feet *feet) {
+  for (PetscInt k = 0; k < feet->n; k++) {
+    Push3 push;
+    CurveMotion m;
+    MotionOf(cell, &feet->foot[k], &m);
+    PushOf(contact, cell, held, feet, k, &push);
+    Bear(&push, &feet->foot[k]);
   }
 }
 
-static PetscReal FrictionOf(const Contact *contact, const Foot *foot) {
-  return ContactWallFriction(contact, contact->walls.post[foot->post].wall);
-}
-
-/* f = a l (p n - mu p w t), t = n turned to the left */
-static void Force(const Contact *contact, Foot *foot) {
-  const PetscReal *n = foot->n, rub = FrictionOf(contact, foot) * foot->p * foot->w;
-  foot->force[0] = foot->strength * (foot->p * n[0] + rub * n[1]);
-  foot->force[1] = foot->strength * (foot->p * n[1] - rub * n[0]);
-}
-
-/* FootPush - what a post does to the rod at a foot that FeetFind() has found. dual: of its
-   friction; NULL: nothing is held. */
-void FootPush(const Contact *contact, const FootCell *cell, const FrictionDual *dual, Foot *foot) {
-  const FrictionDual none = {.v = {0}};
-  Motion m;
-
-  foot->p = ContactPressure(contact, foot->gap, &foot->p_gap);
-  foot->slip = foot->w = foot->w_slip = 0;
-  if (FrictionOf(contact, foot) > 0 && cell->moves) {
-    MotionOf(cell, foot, &m);
-    foot->slip = foot->n[0] * m.v[1] - foot->n[1] * m.v[0];
-    foot->w = ContactRub(contact, foot->slip, dual ? dual : &none, &foot->w_slip);
-  }
-  Force(contact, foot);
-}
-
-/* FootParts - the part that each point of a cell of length h has in a foot, and its derivative by
+/* The part that each point of a cell of length h has in a foot, and its derivative by
    z: of the parabola through all three; in order 2, where the ends have no weight, the middle has
    all.
  */
-void FootParts(PetscReal h, const PetscReal weight[FOOT_PARTS], PetscReal z,
-               PetscReal part[FOOT_ROWS], PetscReal part_z[FOOT_ROWS]) {
+static void Parts(PetscReal h, const PetscReal weight[FOOT_PARTS], PetscReal z,
+                  PetscReal part[FOOT_ROWS], PetscReal part_z[FOOT_ROWS]) {
   const PetscBool ends = (PetscBool)(weight[0] > 0);
 
   CurveParabola(z, part, part_z);
@@ -219,130 +104,226 @@ void FootParts(PetscReal h, const PetscReal weight[FOOT_PARTS], PetscReal z,
   part_z[FOOT_KINK] = ends ? z - 0.5 : 0;
 }
 
-/* FootHandOut - adds to the load of a cell's points, n' = load, what the force of a foot is to
- * them.
+/* FeetHandOut - adds to the load of a cell's points, n' and m' = load, what the feet are to them.
  */
-void FootHandOut(const FootCell *cell, const Foot *foot, FootLoad load) {
-  PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS];
-
-  FootParts(cell->h, cell->weight, foot->z, part, part_z);
-  for (int k = 0; k < FOOT_ROWS; k++)
-    for (int d = 0; d < 2; d++) load[k][d] += part[k] * foot->force[d];
+void FeetHandOut(const FootCell *cell, const Feet *feet, FootLoad load) {
+  for (PetscInt j = 0; j < feet->n; j++) {
+    const Foot *foot = &feet->foot[j];
+    PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS];
+    Parts(cell->curve.h, cell->weight, foot->on.z, part, part_z);
+    for (int k = 0; k < FOOT_ROWS; k++)
+      for (int d = 0; d < 3; d++) {
+        load[k][d] += part[k] * foot->force[d];
+        load[k][3 + d] += part[k] * foot->couple * foot->t[d];
+      }
+  }
 }
 
 /* ---- derivatives ---- */
 
-typedef PetscReal By[2][FOOT_UNKNOWNS];
-
-/* The derivatives of x and x_z at a fixed z. */
-static void PlaceBy(const FootCell *cell, PetscReal z, By x, By x_z) {
-  PetscReal value[4], slope[4], bend[4];
-
-  Hermite(z, value, slope, bend);
-  for (int d = 0; d < 2; d++)
-    for (int e = 0; e < 2; e++) {
-      const PetscReal turn = cell->h * cell->g[e] * (d ? cell->q[e][0] : -cell->q[e][1]);
-      for (int c = 0; c < 2; c++) {
-        x[d][3 * e + c] = c == d ? value[2 * e] : 0;
-        x_z[d][3 * e + c] = c == d ? slope[2 * e] : 0;
-      }
-      x[d][3 * e + 2] = value[2 * e + 1] * turn;
-      x_z[d][3 * e + 2] = slope[2 * e + 1] * turn;
-    }
-}
-
-/* Those of the velocity at a fixed z; x, x_z  as PlaceBy() has them. */
-static void MotionBy(const FootCell *cell, const Foot *foot, const Motion *m,
-                     const PetscReal shift[3], By x, By x_z, By v) {
-  PetscReal value[4], slope[4], bend[4];
-
-  Hermite(foot->z, value, slope, bend);
-  for (int f = 0; f < FOOT_UNKNOWNS; f++) {
-    const PetscReal turned = (m->t[0] * x_z[1][f] - m->t[1] * x_z[0][f]) / m->size;
-    for (int d = 0; d < 2; d++)
-      v[d][f] = shift[f % 3] * x[d][f] + m->c * (d ? m->t[0] : -m->t[1]) * turned;
-  }
-  for (int d = 0; d < 2; d++)
-    for (int e = 0; e < 2; e++) {
-      const PetscReal perp = d ? cell->q[e][0] : -cell->q[e][1];
-      v[d][3 * e + 2] += value[2 * e + 1] * cell->h *
-                         (cell->g_t[e] * perp - cell->g[e] * cell->theta_t[e] * cell->q[e][d]);
-    }
-}
-
-/* How the foot, its normal, gap and slip change. */
+/* The derivatives at a fixed z: of x, x_z, of the tangent, the velocity and the spin. */
 typedef struct {
-  PetscReal z[FOOT_UNKNOWNS], gap[FOOT_UNKNOWNS], slip[FOOT_UNKNOWNS];
-  By n;
+  CurveBy x, slope, t, v;
+  PetscReal spin[FOOT_UNKNOWNS];
+} Fixed;
+
+ALWAYS_INLINE void FixedBy(int dims, int node, const FootCell *cell, const FootEnd end[2],
+                           const Foot *foot, const CurveMotion *m, Fixed *by) {
+  const CurveEnd *of[2] = {&end[0].curve, &end[1].curve};
+  const PetscReal z = foot->on.z;
+
+  CurvePlaceBy(dims, node, &cell->curve, of, z, by->x, by->slope);
+  CurveMotionBy(dims, node, &cell->curve, of, z, m, by->x, by->slope, by->t, by->v);
+  for (int e = 0; e < 2; e++)
+    for (int f = 0; f < node; f++) by->spin[node * e + f] = (e ? z : 1 - z) * end[e].spin[f];
+}
+
+/* The derivative of x_z.H x_z by x, x_z held: by differences, for surfaces tell no third
+   derivatives. Only where a share is between 0 and 1. */
+static void SquareBy(const Contact *contact, const Foot *foot, const Touch3 *touch,
+                     PetscReal by[3]) {
+  const PetscReal e = 1e-5 * (foot->rho + touch->gap);
+
+  for (int d = 0; d < 3; d++) {
+    PetscReal square[2] = {0, 0};
+    for (int side = 0; side < 2; side++) {
+      PetscReal x[3] = {foot->on.x[0], foot->on.x[1], foot->on.x[2]};
+      Touch3 there;
+      x[d] += side ? e : -e;
+      if (ContactRidgeTouch(contact, foot->item, x, PETSC_MAX_REAL, &there))
+        square[side] = FootSquare(there.bend, foot->on.slope);
+    }
+    by[d] = (square[1] - square[0]) / (2 * e);
+  }
+}
+
+/* How rho changes as x and x_z do; square_by as SquareBy() has it. */
+static PetscReal RhoBy(const Foot *foot, const Touch3 *touch, const PetscReal square_by[3],
+                       const PetscReal dx[3], const PetscReal dslope[3]) {
+  const PetscReal *w = foot->on.slope, along = FootSquare(touch->bend, w), size = Dot3(w, w);
+  PetscReal by = Dot3(square_by, dx);
+
+  for (int d = 0; d < 3; d++) by += 2 * Dot3(touch->bend[d], w) * dslope[d];
+  return (2 * Dot3(w, dslope) - size / along * by) / along - Dot3(touch->normal, dx);
+}
+
+/* How a foot changes with an unknown. */
+typedef struct {
+  PetscReal z, x[3], slope[3], t[3], v[3], spin;
 } Change;
 
 /*
-  With r = x - c:
-    dz = -(x_z.dx + r.dx_z) / (x_z.x_z + r.x_zz),   dr = dx + x_z dz,   dgap = n.dr,
-    dn = (dr - n dgap)/|r|,   dslip = t.(dv + v_z dz) + v.dt,   t and dt those of n turned to the
-  left
-*/
-static void ChangeOf(const FootCell *cell, const Foot *foot, const PetscReal shift[3],
-                     Change *change) {
-  const PetscReal *n = foot->n, r[2] = {foot->distance * n[0], foot->distance * n[1]},
-                  stiff = Dot(foot->slope, foot->slope) + Dot(r, foot->bend);
-  By x, x_z, v = {{0}};
-  Motion m = {.v = {0}};
+  With the derivatives at a fixed z,
 
-  PlaceBy(cell, foot->z, x, x_z);
-  if (cell->moves) {
-    MotionOf(cell, foot, &m);
-    MotionBy(cell, foot, &m, shift, x, x_z, v);
+    dz = -(x_z.H dx + n.dx_z) / (x_z.H x_z + n.x_zz),
+
+  and all else changes by z besides.
+*/
+ALWAYS_INLINE void ChangeOf(int dims, const FootCell *cell, const Foot *foot, const Touch3 *touch,
+                            const CurveMotion *m, const Fixed *by, int u, Change *change) {
+  PetscReal z = 0;
+
+  for (int d = 0; d < dims && !foot->ends; d++)
+    z -= (Dot3(touch->bend[d], foot->on.slope) * by->x[d][u] + touch->normal[d] * by->slope[d][u]) /
+         FootStiff(foot, touch);
+  *change = (Change){.z = z, .spin = by->spin[u] + (cell->spin[1] - cell->spin[0]) * z};
+  for (int d = 0; d < dims; d++) {
+    change->x[d] = by->x[d][u] + foot->on.slope[d] * z;
+    change->slope[d] = by->slope[d][u] + foot->on.bend[d] * z;
+    change->t[d] = by->t[d][u] + m->t_z[d] * z;
+    change->v[d] = by->v[d][u] + m->v_z[d] * z;
   }
-  for (int f = 0; f < FOOT_UNKNOWNS; f++) {
-    PetscReal dr[2], dz = 0, dv[2];
-    if (!foot->ends)
-      for (int d = 0; d < 2; d++) dz -= (foot->slope[d] * x[d][f] + r[d] * x_z[d][f]) / stiff;
-    for (int d = 0; d < 2; d++) {
-      dr[d] = x[d][f] + foot->slope[d] * dz;
-      dv[d] = v[d][f] + m.v_z[d] * dz;
-    }
-    change->z[f] = dz;
-    change->gap[f] = Dot(n, dr);
-    for (int d = 0; d < 2; d++) change->n[d][f] = (dr[d] - n[d] * change->gap[f]) / foot->distance;
-    change->slip[f] =
-        n[0] * dv[1] - n[1] * dv[0] + change->n[0][f] * m.v[1] - change->n[1][f] * m.v[0];
+}
+
+/* ... and its force and, as a vector along the tangent, its couple; more: by how much of itself the
+   strength changes. */
+static void LoadChange(const Foot *foot, const Push3 *push, const Change *change, PetscReal more,
+                       PetscReal dF[FOOT_LOAD]) {
+  PetscReal by[4];
+
+  for (int r = 0; r < 4; r++)
+    by[r] = foot->strength * (Dot3(push->x[r], change->x) + Dot3(push->q[r], change->t) +
+                              Dot3(push->W[r], change->v) + push->W[r][3] * change->spin);
+  for (int d = 0; d < 3; d++) {
+    dF[d] = by[d] + more * foot->force[d];
+    dF[3 + d] = (by[3] + more * foot->couple) * foot->t[d] + foot->couple * change->t[d];
+  }
+}
+
+/* Adds the derivatives of a foot's load. */
+ALWAYS_INLINE void LineariseOne(int dims, int node, const Contact *contact, const FootCell *cell,
+                                const FootEnd end[2], const Push3 *push, const Touch3 *touch,
+                                Foot *foot, FootSlope slope) {
+  PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS], square_by[3] = {0}, dF[FOOT_LOAD];
+  CurveMotion m;
+  Fixed by;
+
+  MotionOf(cell, foot, &m);
+  FixedBy(dims, node, cell, end, foot, &m, &by);
+  Parts(cell->curve.h, cell->weight, foot->on.z, part, part_z);
+  if (foot->strength_rho != 0) SquareBy(contact, foot, touch, square_by);
+  for (int u = 0; u < 2 * node; u++) {
+    PetscReal more = 0;
+    Change change;
+    ChangeOf(dims, cell, foot, touch, &m, &by, u, &change);
+    if (foot->strength_rho != 0)
+      more = foot->strength_rho * RhoBy(foot, touch, square_by, change.x, change.slope) /
+             foot->strength;
+    LoadChange(foot, push, &change, more, dF);
+    for (int k = 0; k < FOOT_ROWS; k++)
+      for (int d = 0; d < 3; d++) {
+        slope[k][d][u] += part[k] * dF[d] + part_z[k] * change.z * foot->force[d];
+        slope[k][3 + d][u] +=
+            part[k] * dF[3 + d] + part_z[k] * change.z * foot->couple * foot->t[d];
+      }
+  }
+}
+
+static void LineariseFlat(const Contact *contact, const FootCell *cell, const FootEnd end[2],
+                          PetscBool fresh, FeetHeld held, Feet *feet, FootSlope slope) {
+  for (PetscInt k = 0; k < feet->n; k++) {
+    Foot *foot = &feet->foot[k];
+    Push3 push;
+    SlopeFlat(contact, &feet->touch[k], foot, fresh, k ? NULL : held.first, &push);
+    Bear(&push, foot);
+    LineariseOne(2, 3, contact, cell, end, &push, &feet->touch[k], foot, slope);
+  }
+}
+
+static void LineariseInSpace(const Contact *contact, const FootCell *cell, const FootEnd end[2],
+                             PetscBool fresh, FrictionDual4 slots[], Feet *feet, FootSlope slope) {
+  if (slots) ContactSlots(feet->n, feet->touch, slots);
+  for (PetscInt k = 0; k < feet->n; k++) {
+    const Rubbed at = RubbedOf(&feet->foot[k]);
+    const Touch3 *touch = &feet->touch[k];
+    Push3 push;
+    ContactPushSlope3(contact, touch, &at, fresh, ContactSlot(touch, slots), &push);
+    LineariseOne(3, FOOT_NODE, contact, cell, end, &push, touch, &feet->foot[k], slope);
   }
 }
 
 /*
-  FootLinearise - adds to the derivatives of the load of a cell's points those of a foot that
-  FootPush() has seen, the dual of its friction brought up to the slip first:
-    df = a l (dp (n - mu w t) + p (dn - mu w dt) - mu p w' t dslip)
+  FeetLinearise - adds to the derivatives of the load of a cell's points those of feet that
+  FeetPush() has seen, the duals of their friction brought up to the slip first.
 
-  shift   of the rates of x1, x2, theta      fresh  a Newton solve begins      dual  may be NULL
+  end    how the ends of the cell change      fresh  a Newton solve begins
+  slope  by the unknowns of both nodes, three or FOOT_NODE of each
 */
-void FootLinearise(const Contact *contact, const FootCell *cell, const PetscReal shift[3],
-                   PetscBool fresh, FrictionDual *dual, Foot *foot, FootSlope slope) {
-  const PetscReal mu = FrictionOf(contact, foot), *n = foot->n, t[2] = {-n[1], n[0]},
-                  u[2] = {foot->slip, 0};
-  PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS];
-  FrictionDual own = {.v = {0}};
-  Change change;
+void FeetLinearise(const Contact *contact, const FootCell *cell, const FootEnd end[2],
+                   PetscBool fresh, FeetHeld held, Feet *feet, FootSlope slope) {
+  if (cell->dims == 2)
+    LineariseFlat(contact, cell, end, fresh, held, feet, slope);
+  else
+    LineariseInSpace(contact, cell, end, fresh, held.slots, feet, slope);
+}
 
-  if (!dual) dual = &own;
-  if (mu > 0 && cell->moves && foot->p > 0) {
-    if (fresh)
-      FrictionDualReset(&contact->rub, u, dual);
-    else
-      FrictionDualAdvance(&contact->rub, u, dual);
-    foot->w = ContactRub(contact, foot->slip, dual, &foot->w_slip);
-    Force(contact, foot);
+/* The first foot in the plane; it counts the less the less it is pressed. */
+static PetscReal HoldFirst(const Contact *contact, const Feet *feet, PetscReal seen,
+                           FrictionDual *dual) {
+  const Touch3 *touch = &feet->touch[0];
+  const Foot *foot = &feet->foot[0];
+  const PetscReal *n = touch->normal, mu = contact->walls.wall[touch->wall].friction,
+                  slip[2] = {n[0] * foot->v[1] - n[1] * foot->v[0], 0},
+                  p = foot->normal / foot->strength;
+
+  if (mu == 0 || foot->normal == 0) return 0;
+  return PetscMin(1, mu * p) * FrictionDualHold(slip, seen, friction_hold, dual);
+}
+
+/* FeetHold - moves what holds feet that stick (exact Coulomb friction); returns the speed at which
+   they creep. */
+PetscReal FeetHold(const Contact *contact, const FootCell *cell, Feet *feet, PetscReal seen,
+                   FeetHeld held) {
+  PetscReal creep = 0;
+
+  if (cell->dims == 2)
+    return feet->n && held.first ? HoldFirst(contact, feet, seen, held.first) : 0;
+  ContactSlots(feet->n, feet->touch, held.slots);
+  for (PetscInt k = 0; k < feet->n; k++) {
+    const Rubbed at = RubbedOf(&feet->foot[k]);
+    creep = LargerOf(
+        creep, ContactHoldTouch3(contact, &feet->touch[k], &at, seen, friction_hold, held.slots));
   }
-  ChangeOf(cell, foot, shift, &change);
-  FootParts(cell->h, cell->weight, foot->z, part, part_z);
-  for (int d = 0; d < 2; d++)
-    for (int f = 0; f < FOOT_UNKNOWNS; f++) {
-      const PetscReal dt = d ? change.n[0][f] : -change.n[1][f],
-                      df = foot->p_gap * change.gap[f] * (n[d] - mu * foot->w * t[d]) +
-                           foot->p * (change.n[d][f] - mu * foot->w * dt) -
-                           mu * foot->p * foot->w_slip * t[d] * change.slip[f];
-      for (int k = 0; k < FOOT_ROWS; k++)
-        slope[k][d][f] += part[k] * foot->strength * df + part_z[k] * change.z[f] * foot->force[d];
-    }
+  return creep;
+}
+
+/* FootShareRate - the rate of a foot's strength as the rod turns against what it meets, which
+   rests; of what moves that is not known, and 0. */
+PetscReal FootShareRate(const Contact *contact, const FootCell *cell, const Feet *feet,
+                        PetscInt k) {
+  const Foot *foot = &feet->foot[k];
+  const Touch3 *touch = &feet->touch[k];
+  const PetscReal *w = foot->on.slope;
+  PetscReal x_t[3], slope_t[3], square_by[3], Hw[3], z_t = 0;
+
+  if (foot->strength_rho == 0 || touch->moves || !cell->moves) return 0;
+  CurveRates(&cell->curve, foot->on.z, x_t, slope_t);
+  for (int d = 0; d < 3; d++) Hw[d] = Dot3(touch->bend[d], w);
+  if (!foot->ends) z_t = -(Dot3(Hw, x_t) + Dot3(touch->normal, slope_t)) / FootStiff(foot, touch);
+  for (int d = 0; d < 3; d++) {
+    x_t[d] += w[d] * z_t;
+    slope_t[d] += foot->on.bend[d] * z_t;
+  }
+  SquareBy(contact, foot, touch, square_by);
+  return foot->strength_rho * RhoBy(foot, touch, square_by, x_t, slope_t);
 }

@@ -1,61 +1,115 @@
-/* Feet: where the rod meets posts and corners that may be narrower than its cells. Collocation
-   points would step over them. So the place of a cell's curve that is nearest to the middle c of a
-   post, of radius r, is a point contact, of strength a k l as that of the tip is (world/contact.h),
+/* Feet: where the curve of the rod is nearest to what stands out of walls and may be narrower than
+   its cells: posts and corners of the plane; thin posts, wires and balls, and sharp edges in space.
+   Collocation points would step over them. With d the distance from such a thing, n and H its first
+   and second derivatives, a foot is a point contact, of strength a k l as that of the tip is
+   (world/contact.h),
 
-     E = a k l ... = a l U(gamma),   gamma = |x(foot) - c| - r - D/2,   foot: (x(foot) - c).x' = 0,
+     foot: n.x' = 0, where d is smallest,   gamma = d(foot) - D/2,   E = a l U(gamma),
 
-   and its force, that of this energy, p(gamma) a l n with friction against the velocity of the
-   place, is handed to the two nodes and the middle of this one cell: to each as much as the
-   parabola through them gives it a part in x(foot). So force and moment are those of a point load
-   at the foot, and no other cell learns of it. */
+   and its force, that of this energy with friction against the velocity of the place, is handed to
+   the two nodes and the middle of this one cell: to each as much as the parabola through them gives
+   it a part in x(foot). So force and moment are those of a point load at the foot, and no other
+   cell learns of it. In space there is a couple about the tangent, too (contact_space.h).
+
+   a is the share of a post (ContactPostShare()) whose radius is
+
+     rho = 1/(t.H t) - gamma,   t the tangent there:
+
+   r + D/2 in the plane, of a ball, or of a post that is met across, more of one that is met at a
+   slant, and without a bound where the rod lies along it, for there the points of the cells feel
+   it. So a foot comes and goes where it has no force. (That a changes with the direction is no
+   force.) */
 #ifndef TENDRIL_FEET_H
 #define TENDRIL_FEET_H
 
+#include "curve/cell.h"
 #include "scene/scene.h"
 
-enum { FOOT_PARTS = 3, FOOT_KINK = 3, FOOT_ROWS, FOOT_UNKNOWNS = 6, MOST_FEET = 16 };
+/* A node has up to FOOT_NODE unknowns that matter: in the plane place and angle; in space place,
+   quaternion and, by the spin of what slides, moment. */
+enum {
+  FOOT_PARTS = 3,
+  FOOT_KINK = 3,
+  FOOT_ROWS,
+  FOOT_NODE = CURVE_NODE,
+  FOOT_UNKNOWNS = 2 * FOOT_NODE,
+  FOOT_LOAD = 6,
+  MOST_FEET = 16
+};
 
-/* A cell: its curve, the cubic through x and x' = g q at its ends, and how that moves. */
+/* A cell: its curve, and the spin of the material at its ends. */
 typedef struct {
-  PetscReal h; /* of labels */
-  PetscReal x[2][2], q[2][2], g[2];
-  PetscReal x_t[2][2], theta_t[2], g_t[2], c[FOOT_PARTS]; /* c at the ends and between them */
+  int dims; /* 2 in the plane, 3 in space */
+  CurveCell curve;
   PetscBool moves, first,
       last; /* the rates are known; the cell is the first, the last of the rod */
+  PetscReal spin[2];
   PetscReal weight[FOOT_PARTS]; /* of its points, in the equations of the cell: 1/6, 4/6, 1/6 */
 } FootCell;
 
+/* How its curve and the spin change with the unknowns of an end. */
 typedef struct {
-  PetscInt post;
-  PetscBool ends;                       /* it is an end of the rod */
-  PetscReal z, x[2], slope[2], bend[2]; /* 0 <= z <= 1; x and its derivatives by z */
-  PetscReal n[2], distance, gap;
-  PetscReal strength, strength_t; /* a l, and its rate */
-  PetscReal p, p_gap;             /* pressure and its derivative */
-  PetscReal slip, w, w_slip;      /* speed along the surface, friction over mu p */
-  PetscReal force[2];             /* on the rod */
+  CurveEnd curve;
+  PetscReal spin[FOOT_NODE];
+} FootEnd;
+
+typedef struct {
+  PetscInt item;                                /* a post; of space, of ContactRidgeTouch() */
+  PetscBool ends;                               /* it is an end of the rod */
+  CurvePlace on;                                /* where it is on the curve */
+  PetscReal rho;                                /* in space, see above */
+  PetscReal strength, strength_t, strength_rho; /* a l, its rate where rho stays, and by rho */
+  PetscReal t[3], v[3], spin;                   /* tangent, velocity and spin of the material */
+  PetscReal force[3], couple, normal, power;    /* on the rod; p a l and what friction takes */
 } Foot;
 
-/* What feet add to n' at the points of the cell; and, in row FOOT_KINK, a vector w by which the
-   angle turns more from a to b than the cell's formula gives it: that smears a point load over the
-   cell. With b = 1/12 - z (1 - z)/2, of mean 0, and w the sum of b f,
+/* The feet of a cell, in the order of items. */
+typedef struct {
+  PetscInt n;
+  Foot foot[MOST_FEET];
+  Touch3 touch[MOST_FEET];
+} Feet;
+
+/* What Newton's method remembers of their friction: in the plane that of the first foot; in space
+   of walls. NULL: nothing is held. */
+typedef struct {
+  FrictionDual *first;
+  FrictionDual4 *slots;
+} FeetHeld;
+
+/* What feet add to n', and behind it to m', at the points of the cell; and, in row FOOT_KINK, a
+   vector w by which the rod turns more from a to b than the cell's formula gives it: that smears a
+   point load over the cell. With b = 1/12 - z (1 - z)/2, of mean 0, and w the sum of b f, in the
+   plane
 
      theta_b - theta_a = ... + (h g)^2/B (q1 w2 - q2 w1)
 
-   so the angle does not jump when a foot goes on to the next cell. And by x1, x2, theta of both
-   nodes. */
-typedef PetscReal FootLoad[FOOT_ROWS][2];
-typedef PetscReal FootSlope[FOOT_ROWS][2][FOOT_UNKNOWNS];
+   so the angle does not jump when a foot goes on to the next cell. And by the unknowns of both
+   nodes, of as many as they have. */
+typedef PetscReal FootLoad[FOOT_ROWS][FOOT_LOAD];
+typedef PetscReal FootSlope[FOOT_ROWS][FOOT_LOAD][FOOT_UNKNOWNS];
 
-void FootParts(PetscReal h, const PetscReal weight[FOOT_PARTS], PetscReal z,
-               PetscReal part[FOOT_ROWS], PetscReal part_z[FOOT_ROWS]);
+/* feet_find.c */
 Block FootCellBlock(const FootCell *cell);
 PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot);
-PetscInt FeetFind(const Contact *contact, const FootCell *cell, PetscReal within,
-                  Foot foot[MOST_FEET]);
-void FootPush(const Contact *contact, const FootCell *cell, const FrictionDual *dual, Foot *foot);
-void FootHandOut(const FootCell *cell, const Foot *foot, FootLoad load);
-void FootLinearise(const Contact *contact, const FootCell *cell, const PetscReal shift[3],
-                   PetscBool fresh, FrictionDual *dual, Foot *foot, FootSlope slope);
+void FeetFind(const Contact *contact, const FootCell *cell, PetscReal within, Feet *feet);
+
+void FeetPush(const Contact *contact, const FootCell *cell, FeetHeld held, Feet *feet);
+void FeetHandOut(const FootCell *cell, const Feet *feet, FootLoad load);
+void FeetLinearise(const Contact *contact, const FootCell *cell, const FootEnd end[2],
+                   PetscBool fresh, FeetHeld held, Feet *feet, FootSlope slope);
+PetscReal FeetHold(const Contact *contact, const FootCell *cell, Feet *feet, PetscReal seen,
+                   FeetHeld held);
+PetscReal FootShareRate(const Contact *contact, const FootCell *cell, const Feet *feet, PetscInt k);
+
+/* Of a foot: w.H w. */
+static inline PetscReal FootSquare(const PetscReal H[3][3], const PetscReal w[3]) {
+  return w[0] * Dot3(H[0], w) + w[1] * Dot3(H[1], w) + w[2] * Dot3(H[2], w);
+}
+
+/* ... the second derivative of the distance by z: x_z.H x_z + n.x_zz. */
+static inline PetscReal FootStiff(const Foot *foot, const Touch3 *touch) {
+  return FootSquare(touch->bend, foot->on.slope) + Dot3(touch->normal, foot->on.bend);
+}
 
 #endif

@@ -118,58 +118,56 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
 static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
   const Frame *frame = (const Frame *)cell->rod->data;
   const Point *end[2] = {cell->a, cell->b};
+  CurveCell *curve = &of->curve;
 
-  *of = (FootCell){.h = cell->h, .moves = PETSC_TRUE};
+  *of = (FootCell){.dims = 2, .curve = {.h = cell->h}, .moves = PETSC_TRUE};
   of->first = (PetscBool)(i == 0);
   of->last = (PetscBool)(i == cell->rod->last - 1);
   for (int k = 0; k < FOOT_PARTS; k++) {
-    of->c[k] = cell->law[k].c;
+    curve->c[k] = cell->law[k].c;
     of->weight[k] = k == 1 ? frame->mid_weight : frame->end_weight;
   }
   for (int e = 0; e < 2; e++) {
-    of->g[e] = cell->law[2 * e].g;
-    of->g_t[e] = cell->law[2 * e].g_t;
-    of->theta_t[e] = cell->u_t[i + e][TH];
+    curve->g[e] = cell->law[2 * e].g;
+    VelocitySlope(&cell->law[2 * e], end[e], cell->u_t[i + e][TH], curve->slope_t[e]);
     for (int d = 0; d < 2; d++) {
-      of->x[e][d] = cell->u[i + e][d];
-      of->x_t[e][d] = cell->u_t[i + e][d];
-      of->q[e][d] = end[e]->at.q[d];
+      curve->x[e][d] = cell->u[i + e][d];
+      curve->x_t[e][d] = cell->u_t[i + e][d];
+      curve->q[e][d] = end[e]->at.q[d];
     }
   }
 }
 
-/* The dual of the k-th foot of the cell, which stands behind those of the walls at its middle: the
-   first foot's is remembered. */
-static FrictionDual *FootDual(const Cell *cell, PetscInt k) {
+/* The dual of the first foot of the cell, which is remembered, stands behind those of the walls at
+   its middle. */
+static FeetHeld HeldAt(const Cell *cell) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  if (k || !cell->rod->scene->contact.walls.rub) return NULL;
-  return cell->dual[1] + frame->duals - 1;
+  if (!cell->rod->scene->contact.walls.rub) return (FeetHeld){.first = NULL};
+  return (FeetHeld){.first = cell->dual[1] + frame->duals - 1};
 }
 
-/* The feet of the cell, and what they push with. */
-static PetscInt CellsFeet(const Cell *cell, PetscInt i, FootCell *of, Foot foot[MOST_FEET]) {
+/* The feet of the cell, and what they push with; returns how many. */
+static PetscInt CellsFeet(const Cell *cell, PetscInt i, FootCell *of, Feet *feet) {
   const Contact *contact = &cell->rod->scene->contact;
-  PetscInt n;
 
   if (!contact->thin) return 0;
   FeetsCell(cell, i, of);
-  n = FeetFind(contact, of, contact->smooth, foot);
-  for (PetscInt k = 0; k < n; k++) FootPush(contact, of, FootDual(cell, k), &foot[k]);
-  return n;
+  FeetFind(contact, of, contact->smooth, feet);
+  FeetPush(contact, of, HeldAt(cell), feet);
+  return feet->n;
 }
 
 /* What feet add to n' at the points of this cell alone; and so to its middle, which is known. */
 static void AddFeet(Cell *cell, PetscInt i) {
   Frame *frame = (Frame *)cell->rod->data;
-  PetscReal(*load)[2] = frame->feet[i - cell->rod->first + 1];
-  Foot foot[MOST_FEET];
-  FootCell of;
-  PetscInt n = CellsFeet(cell, i, &of, foot);
+  PetscReal(*load)[FOOT_LOAD] = frame->feet[i - cell->rod->first + 1];
   Point *mid = cell->mid;
+  FootCell of;
+  Feet feet;
 
   (void)memset(load, 0, sizeof(FootLoad));
-  if (!n) return;
-  for (PetscInt k = 0; k < n; k++) FootHandOut(&of, &foot[k], load);
+  if (!CellsFeet(cell, i, &of, &feet)) return;
+  FeetHandOut(&of, &feet, load);
   for (int d = 0; d < 2; d++) {
     mid->n[d] += frame->bow * cell->h * (load[0][d] - load[2][d]);
     mid->f[N1 + d] += load[1][d];
@@ -277,7 +275,8 @@ static PetscReal KinkOf(const Cell *cell) {
 
 /* Residual of the six equations of a cell; feet: what they add to n' at its points, NULL: none. */
 static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *ua,
-                         const PetscReal *ub, const PetscReal (*feet)[2], PetscReal r[FIELDS]) {
+                         const PetscReal *ub, const PetscReal (*feet)[FOOT_LOAD],
+                         PetscReal r[FIELDS]) {
   for (int f = 0; f < FIELDS; f++)
     r[f] = ub[f] - ua[f] -
            cell->h * (frame->end_weight * (cell->a->f[f] + cell->b->f[f]) +
@@ -290,9 +289,8 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
 
 /* What the tip's conditions are about. */
 static TipState TipOf(const Point *end) {
-  TipState tip = {
-      .at = end->at, .theta = end->theta, .moment = end->m, .force = {end->n[0], end->n[1]}};
-  return tip;
+  return (TipState){
+      .at = end->at, .theta = end->theta, .m = {0, 0, end->m}, .n = {end->n[0], end->n[1]}};
 }
 
 /* The tip's own dual stands where that of a cell behind the tip would. */
@@ -329,7 +327,7 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
     CellsNext(&cell, i);
     if (rod->learned) FrameLearnedResidual(rod, at->t, i, cell.h, cell.a, cell.mid, cell.b);
     CellResidual(frame, &cell, cell.u[i], cell.u[i + 1],
-                 frame->feet ? (const PetscReal(*)[2])frame->feet[i - first + 1] : NULL, r);
+                 frame->feet ? (const PetscReal(*)[FOOT_LOAD])frame->feet[i - first + 1] : NULL, r);
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
     if (i + 1 < end) PetscCall(PetscArraycpy(&F_[i + 1][X1], &r[X1], 3));
   }
@@ -442,6 +440,23 @@ static void PutRows(Rows rows, int from, PetscInt column, PetscReal part[FIELDS]
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
+/* How the ends of the cell that is looked at change, for its feet: q, q_perp and -q. */
+static void FootEnds(const Cell *cell, PetscInt i, const PetscReal shift[], FootEnd end[2]) {
+  const Point *at[2] = {cell->a, cell->b};
+
+  (void)memset(end, 0, 2 * sizeof(*end));
+  for (int e = 0; e < 2; e++) {
+    const PetscReal *q = at[e]->at.q, perp[2] = {-q[1], q[0]}, theta_t = cell->u_t[i + e][TH];
+    const Law *law = &cell->law[2 * e];
+    for (int d = 0; d < 2; d++) {
+      end[e].curve.shift[d] = shift[X1 + d];
+      end[e].curve.q[d][0] = perp[d];
+      end[e].curve.slope_t[d][0] =
+          law->g_t * perp[d] + law->g * (shift[TH] * perp[d] - theta_t * q[d]);
+    }
+  }
+}
+
 /* Adds to a cell's equations by its nodes what comes of its feet. */
 static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
                          PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
@@ -452,21 +467,20 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
   PetscReal turn; /* of the kink by the angle in the middle */
   FootSlope by = {{{0}}};
   FootLoad load = {{0}};
-  Foot foot[MOST_FEET];
+  FootEnd end[2];
   FootCell of;
-  PetscInt n = CellsFeet(cell, i, &of, foot);
+  Feet feet;
 
-  if (!n) return;
-  for (PetscInt k = 0; k < n; k++) FootHandOut(&of, &foot[k], load);
+  if (!CellsFeet(cell, i, &of, &feet)) return;
+  FeetHandOut(&of, &feet, load);
   turn = -kink * (q[0] * load[FOOT_KINK][0] + q[1] * load[FOOT_KINK][1]);
   left[TH][TH] -= turn / 2;
   right[TH][TH] -= turn / 2;
   left[TH][M] -= turn * frame->bow * h * cell->law[0].g * cell->law[0].flex;
   right[TH][M] += turn * frame->bow * h * cell->law[2].g * cell->law[2].flex;
-  for (PetscInt k = 0; k < n; k++)
-    FootLinearise(&cell->rod->scene->contact, &of, shift, cell->fresh, FootDual(cell, k), &foot[k],
-                  by);
-  for (int u = 0; u < FOOT_UNKNOWNS; u++) {
+  FootEnds(cell, i, shift, end);
+  FeetLinearise(&cell->rod->scene->contact, &of, end, cell->fresh, HeldAt(cell), &feet, by);
+  for (int u = 0; u < 2 * 3; u++) {
     PetscReal(*J)[FIELDS] = u < 3 ? left : right;
     const PetscReal bow[2] = {by[0][0][u] - by[2][0][u], by[0][1][u] - by[2][1][u]}; /* n_mid */
     J[TH][u % 3] -= kink * (q[0] * by[FOOT_KINK][1][u] - q[1] * by[FOOT_KINK][0][u]);
@@ -694,17 +708,11 @@ static void HoldPoint(const Load *load, const Place *at, PetscReal seen, LoadDua
 /* ... at the feet of a cell. */
 static void HoldFeet(Cell *cell, PetscInt i, PetscReal seen, PetscReal *creep) {
   const Contact *contact = &cell->rod->scene->contact;
-  Foot foot[MOST_FEET];
   FootCell of;
+  Feet feet;
 
-  if (!contact->walls.rub || !CellsFeet(cell, i, &of, foot)) return;
-  {
-    const PetscReal mu = contact->walls.wall[contact->walls.post[foot[0].post].wall].friction,
-                    slip[2] = {foot[0].slip, 0};
-    if (mu > 0 && foot[0].p > 0)
-      *creep = LargerOf(*creep, PetscMin(1, mu * foot[0].p) *
-                                    FrictionDualHold(slip, seen, friction_hold, FootDual(cell, 0)));
-  }
+  if (contact->walls.rub && CellsFeet(cell, i, &of, &feet))
+    *creep = LargerOf(*creep, FeetHold(contact, &of, &feet, seen, HeldAt(cell)));
 }
 
 /* Adds what the points of cell i and its feet bear; end: what its first point does, and then its
@@ -713,9 +721,9 @@ static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *s
   const Frame *frame = (const Frame *)cell->rod->data;
   const Point *at[3] = {NULL, cell->mid, cell->b};
   const PetscReal weight[3] = {frame->end_weight, frame->mid_weight, frame->end_weight};
-  Foot foot[MOST_FEET];
   FootCell of;
-  PetscInt n = frame->feet ? CellsFeet(cell, i, &of, foot) : 0;
+  Feet feet;
+  PetscInt n = frame->feet ? CellsFeet(cell, i, &of, &feet) : 0;
 
   for (int k = 0; k < 3; k++) {
     if (at[k]) LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls);
@@ -725,7 +733,7 @@ static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *s
     }
   }
   for (PetscInt k = 0; k < n; k++)
-    for (int d = 0; d < 2; d++) sum->walls[d] += foot[k].force[d];
+    for (int d = 0; d < 2; d++) sum->walls[d] += feet.foot[k].force[d];
 }
 
 /* Adds what the tip bears. */

@@ -16,6 +16,7 @@ static void PointOnCubic(const Load *load, const Law *law_a, const Law *law, con
   p->theta = HermiteAt(z, h, a->theta, a->f[TH], b->theta, b->f[TH]);
   p->m = HermiteAt(z, h, a->m, a->f[M], b->m, b->f[M]);
   p->at.t = at->at.t;
+  p->at.x[2] = 0;
   p->at.q[0] = PetscCosReal(p->theta);
   p->at.q[1] = PetscSinReal(p->theta);
   for (int d = 0; d < 2; d++) {

@@ -153,7 +153,7 @@ static void PlaceAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
   size = hypot(e[0], e[1]);
   if (i == rod->last) Rotate(e, TipTurn(self, rod));
   *slide = c != 0 && i < rod->last ? c / (2 * NodeLength(self, rod, i)) : 0;
-  at->t = self->time;
+  *at = (Place){.t = self->time};
   for (int d = 0; d < 2; d++) {
     at->x[d] = u[i][d];
     at->q[d] = e[d] / size;

@@ -1,5 +1,6 @@
 #include "rod/passing.h"
 #include "base/bezier.h"
+#include "rod/directors.h"
 #include "rod/rules.h"
 
 /* The four points of a Bezier curve. */
@@ -7,7 +8,12 @@ enum { DIMS = 2 };
 typedef PetscReal Bezier[4][DIMS];
 
 static void CurveOf(const FootCell *cell, Bezier b) {
-  BezierOfCell(DIMS, cell->h, cell->g, cell->x[0], cell->q[0], b[0]);
+  const CurveCell *curve = &cell->curve;
+  PetscReal b3[4][3];
+
+  BezierOfCell(3, curve->h, curve->g, curve->x[0], curve->q[0], b3[0]);
+  for (int k = 0; k < 4; k++)
+    for (int d = 0; d < DIMS; d++) b[k][d] = b3[k][d];
 }
 
 static Block BlockOf(Bezier b) {
@@ -79,7 +85,7 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   Foot foot;
 
   if (FootAbout(look->cell, post->at, &foot) &&
-      hypot(foot.x[0] - post->at[0], foot.x[1] - post->at[1]) < rho - deep)
+      hypot(foot.on.x[0] - post->at[0], foot.on.x[1] - post->at[1]) < rho - deep)
     look->passes = PETSC_TRUE;
   return look->passes ? -1 : reach;
 }
@@ -122,7 +128,7 @@ static PetscBool CellIsBehind(const Contact *contact, const FootCell *before,
   block = BlockOf(look.curve);
   BlocksNear(contact->walls.near_posts, &block, contact->diameter / 2, MeetPost, &look);
   if (!look.passes) BlocksNear(contact->walls.near_parts, &block, 0, MeetPart, &look);
-  return (PetscBool)(look.passes || Behind(contact, before->x[1], cell->x[1]));
+  return (PetscBool)(look.passes || Behind(contact, before->curve.x[1], cell->curve.x[1]));
 }
 
 /* ---- what it has swept ---- */
@@ -171,9 +177,10 @@ static PetscReal Winding(const Cells *cells, const PetscReal c[2]) {
       sum += (now ? -1 : 1) * CurveTurn(b, c, 0);
     }
   if (cells->n && cells->cell[0][0].first)
-    sum -= Turn(cells->cell[0][0].x[0], cells->cell[1][0].x[0], c);
+    sum -= Turn(cells->cell[0][0].curve.x[0], cells->cell[1][0].curve.x[0], c);
   if (cells->n && cells->cell[0][cells->n - 1].last)
-    sum += Turn(cells->cell[0][cells->n - 1].x[1], cells->cell[1][cells->n - 1].x[1], c);
+    sum +=
+        Turn(cells->cell[0][cells->n - 1].curve.x[1], cells->cell[1][cells->n - 1].curve.x[1], c);
   return sum;
 }
 
@@ -210,6 +217,7 @@ static PetscErrorCode Sweeps(Rod rod, const Cells *cells, PetscBool *sweeps) {
    Collective. */
 PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]) {
   const PetscReal *s = rod->scene->mesh.s;
+  const int dims = rod->model->space ? 3 : 2;
   const Node *with;
   Vec local;
 
@@ -217,14 +225,17 @@ PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell ce
   PetscCall(RodGetLocalNodes(rod, t, U, &local, &with));
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt i = rod->first + k;
-    cell[k] = (FootCell){.h = s[i + 1] - s[i]};
+    CurveCell *curve = &cell[k].curve;
+    cell[k] = (FootCell){.dims = dims, .curve = {.h = s[i + 1] - s[i]}};
     cell[k].first = (PetscBool)(i == 0);
     cell[k].last = (PetscBool)(i == rod->last - 1);
-    PetscCall(GrowthStretch(rod->scene->growth, 2, &s[i], t, cell[k].g, cell[k].g_t, NULL));
+    PetscCall(GrowthStretch(rod->scene->growth, 2, &s[i], t, curve->g, NULL, NULL));
     for (int e = 0; e < 2; e++) {
-      cell[k].q[e][0] = PetscCosReal(with[i + e].theta);
-      cell[k].q[e][1] = PetscSinReal(with[i + e].theta);
-      for (int d = 0; d < 2; d++) cell[k].x[e][d] = with[i + e].x[d];
+      const Node *node = &with[i + e];
+      PetscReal d[3][3] = {{PetscCosReal(node->theta), PetscSinReal(node->theta)}};
+      if (dims == 3) Directors(node->p, QuaternionSize(node->p), d);
+      PetscCall(PetscArraycpy(curve->q[e], d[0], 3));
+      PetscCall(PetscArraycpy(curve->x[e], dims == 3 ? node->x3 : node->x, dims));
     }
   }
   PetscCall(RodRestoreLocalNodes(rod, &local, &with));
@@ -256,7 +267,7 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
   enum { PASSES, CROWDED, FEET, VERDICTS };
   int verdict[VERDICTS] = {0};
   Touch touch[MOST_TOUCHES];
-  Foot foot[MOST_FEET];
+  Feet feet = {.n = 0};
   PetscBool sweeps;
   Cells cells = {.n = n};
 
@@ -271,9 +282,9 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
   for (PetscInt k = 0; k < n; k++) {
     const FootCell *cell = &cells.cell[1][k];
     if (CellIsBehind(contact, &cells.cell[0][k], cell)) verdict[PASSES] = 1;
-    if (ContactTouches(contact, cell->x[1], touch) == MOST_TOUCHES) verdict[CROWDED] = 1;
-    if (contact->thin && FeetFind(contact, cell, contact->smooth, foot) == MOST_FEET)
-      verdict[FEET] = 1;
+    if (ContactTouches(contact, cell->curve.x[1], touch) == MOST_TOUCHES) verdict[CROWDED] = 1;
+    if (contact->thin) FeetFind(contact, cell, contact->smooth, &feet);
+    if (feet.n == MOST_FEET) verdict[FEET] = 1;
   }
   PetscCall(Sweeps(rod, &cells, &sweeps));
   PetscCall(PetscFree2(cells.cell[0], cells.cell[1]));

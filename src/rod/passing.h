@@ -4,7 +4,6 @@
 #define TENDRIL_PASSING_H
 
 #include "rod/feet.h"
-#include "rod/feet_space.h"
 #include "rod/rod.h"
 
 PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
@@ -13,6 +12,5 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
                                PetscBool *passes);
 PetscErrorCode RodRefuseFeet(Rod rod, PetscReal t, PetscBool crowded);
 PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]);
-PetscErrorCode RodFootCells3(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell3 cell[]);
 
 #endif

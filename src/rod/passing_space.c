@@ -2,7 +2,6 @@
    until each part is off the walls: a distance changes by no more than the way, so that a part
    within r of a point that is farther than that from a wall is clear of it. */
 #include "base/bezier.h"
-#include "rod/directors.h"
 #include "rod/passing.h"
 #include "rod/rules.h"
 
@@ -24,8 +23,8 @@ enum { RESTING = -1 };
 
 enum { DEEPEST = 24 };
 
-static void CurveOf(const FootCell3 *cell, Bezier b) {
-  BezierOfCell(DIMS, cell->h, cell->g, cell->x[0], cell->q[0], b[0]);
+static void CurveOf(const FootCell *cell, Bezier b) {
+  BezierOfCell(DIMS, cell->curve.h, cell->curve.g, cell->curve.x[0], cell->curve.q[0], b[0]);
 }
 
 static PetscReal Apart(const PetscReal a[3], const PetscReal b[3]) {
@@ -226,32 +225,6 @@ static PetscBool CellIsBehind(const Look *look, PetscReal since, Bezier b0, Bezi
   return PETSC_FALSE;
 }
 
-/* RodFootCells3 - the cells that begin at owned nodes, n of them, in one state, as RodFootCells():
-   of a rod in space. Collective. */
-PetscErrorCode RodFootCells3(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell3 cell[]) {
-  const PetscReal *s = rod->scene->mesh.s;
-  const Node *with;
-  Vec local;
-
-  PetscFunctionBegin;
-  PetscCall(RodGetLocalNodes(rod, t, U, &local, &with));
-  for (PetscInt k = 0; k < n; k++) {
-    const PetscInt i = rod->first + k;
-    cell[k] = (FootCell3){.h = s[i + 1] - s[i]};
-    cell[k].first = (PetscBool)(i == 0);
-    cell[k].last = (PetscBool)(i == rod->last - 1);
-    PetscCall(GrowthStretch(rod->scene->growth, 2, &s[i], t, cell[k].g, NULL, NULL));
-    for (int e = 0; e < 2; e++) {
-      PetscReal d[3][3];
-      Directors(with[i + e].p, QuaternionSize(with[i + e].p), d);
-      PetscCall(PetscArraycpy(cell[k].q[e], d[0], 3));
-      PetscCall(PetscArraycpy(cell[k].x[e], with[i + e].x3, 3));
-    }
-  }
-  PetscCall(RodRestoreLocalNodes(rod, &local, &with));
-  PetscFunctionReturn(0);
-}
-
 /* RodPassesWalls3 - as RodPassesWalls(), of a rod in space. */
 PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                PetscBool *passes) {
@@ -261,8 +234,8 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
   int verdict[VERDICTS] = {0};
   Look look = {.contact = contact};
   Touch3 touch[MOST_TOUCHES3];
-  Feet3 feet = {.n = 0};
-  FootCell3 *cell[2];
+  Feet feet = {.n = 0};
+  FootCell *cell[2];
   Bezier b[2];
 
   PetscFunctionBegin;
@@ -271,13 +244,14 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
       contact->diameter > 0 ? contact->diameter / 2 : rod_rule.lengths_behind * contact->tip;
   look.fine = look.deep / rod_rule.passing_parts;
   PetscCall(PetscMalloc2(n, &cell[0], n, &cell[1]));
-  PetscCall(RodFootCells3(rod, t0, U0, n, cell[0]));
-  PetscCall(RodFootCells3(rod, t1, U1, n, cell[1]));
+  PetscCall(RodFootCells(rod, t0, U0, n, cell[0]));
+  PetscCall(RodFootCells(rod, t1, U1, n, cell[1]));
   for (PetscInt k = 0; k < n && !verdict[PASSES]; k++) {
     for (int now = 0; now < 2; now++) CurveOf(&cell[now][k], b[now]);
     if (CurveIsBehind(&look, b[1], 0) || CellIsBehind(&look, t0, b[0], b[1])) verdict[PASSES] = 1;
-    if (ContactTouches3(contact, cell[1][k].x[1], touch) >= MOST_SURFACES) verdict[CROWDED] = 1;
-    if (contact->thin) FeetFind3(contact, &cell[1][k], contact->smooth, &feet);
+    if (ContactTouches3(contact, cell[1][k].curve.x[1], touch) >= MOST_SURFACES)
+      verdict[CROWDED] = 1;
+    if (contact->thin) FeetFind(contact, &cell[1][k], contact->smooth, &feet);
     if (feet.n == MOST_FEET) verdict[FEET] = 1;
   }
   PetscCall(PetscFree2(cell[0], cell[1]));

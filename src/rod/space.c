@@ -39,7 +39,7 @@ static void Kink(const Cell *cell, PetscReal K[4]) {
 /* Adds to the residual of a cell what its feet do at its ends alone, and the kink. */
 static void AddFeet(const Cell *cell, PetscReal r[FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
-  const PetscReal we = cell->h * self->end_weight, (*load)[FOOT3_LOAD] = cell->foot_load;
+  const PetscReal we = cell->h * self->end_weight, (*load)[FOOT_LOAD] = cell->foot_load;
   PetscReal K[4];
 
   Kink(cell, K);
@@ -71,7 +71,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
   }
   if (rod->first == 0) SpaceClampResidual(scene, at->t, cell.u[0], F_[0]);
   if (rod->end == rod->last + 1) {
-    TipState3 tip = SpaceTipOf(cell.load, cell.b);
+    TipState tip = SpaceTipOf(cell.load, cell.b);
     TipResidual3(&scene->tip, &tip, SpaceTipDual(rod), &F_[rod->last][LEFT]);
     for (int d = 0; d < 3 && cell.push && scene->tip.type == TIP_FREE; d++) {
       F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];

@@ -15,7 +15,7 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *d
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++) {
     p->at.x[i] = u[X + i];
-    p->at.W[i] = u_t[X + i] + law->c * p->d[0][i];
+    p->at.v[i] = u_t[X + i] + law->c * p->d[0][i];
   }
   PointEvaluate(cell->load, law, dual, p);
 }
@@ -46,14 +46,14 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   }
   PointStrains(load, &cell->law[1], p);
   if (cell->cubic)
-    p->at.W[SPIN] =
+    p->at.v[SPIN] =
         load->arm *
         (CurveMid(k, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(&cell->law[0], a),
                   QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(&cell->law[2], b)) +
          cell->law[1].c * p->u[0]);
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++)
-    p->at.W[i] = CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[1].c * p->d[0][i];
+    p->at.v[i] = CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[1].c * p->d[0][i];
   PointEvaluate(load, &cell->law[1], cell->dual[1], p);
   for (int i = 0; i < 3 && cell->split; i++)
     p->f[M + i] += (a->couple[i] + b->couple[i]) / 2 - p->couple[i];
@@ -100,23 +100,24 @@ static void FeetsCell(Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Point *end[2] = {cell->a, cell->b};
   const PetscReal arm = cell->load->arm;
-  FootCell3 *of = &cell->foot_cell;
+  FootCell *of = &cell->foot_cell;
+  CurveCell *curve = &of->curve;
 
-  *of = (FootCell3){.h = cell->h, .moves = PETSC_TRUE};
+  *of = (FootCell){.dims = 3, .curve = {.h = cell->h}, .moves = PETSC_TRUE};
   of->first = (PetscBool)(i == 0);
   of->last = (PetscBool)(i == cell->rod->last - 1);
   for (int k = 0; k < FOOT_PARTS; k++) {
-    of->c[k] = cell->law[k].c;
+    curve->c[k] = cell->law[k].c;
     of->weight[k] = k == 1 ? self->mid_weight : self->end_weight;
   }
   for (int e = 0; e < 2; e++) {
-    of->g[e] = cell->law[2 * e].g;
-    VelocitySlope(&cell->law[2 * e], end[e], of->slope_t[e]);
-    if (arm > 0) of->spin[e] = end[e]->at.W[SPIN] / arm;
+    curve->g[e] = cell->law[2 * e].g;
+    VelocitySlope(&cell->law[2 * e], end[e], curve->slope_t[e]);
+    if (arm > 0) of->spin[e] = end[e]->at.v[SPIN] / arm;
     for (int d = 0; d < 3; d++) {
-      of->x[e][d] = end[e]->at.x[d];
-      of->q[e][d] = end[e]->d[0][d];
-      of->x_t[e][d] = end[e]->at.W[d] - cell->law[2 * e].c * end[e]->d[0][d];
+      curve->x[e][d] = end[e]->at.x[d];
+      curve->q[e][d] = end[e]->d[0][d];
+      curve->x_t[e][d] = end[e]->at.v[d] - cell->law[2 * e].c * end[e]->d[0][d];
     }
   }
 }
@@ -126,11 +127,11 @@ static void FindFeet(Cell *cell, PetscInt i) {
   const Contact *contact = &cell->rod->scene->contact;
 
   FeetsCell(cell, i);
-  FeetFind3(contact, &cell->foot_cell, contact->smooth, &cell->feet);
+  FeetFind(contact, &cell->foot_cell, contact->smooth, &cell->feet);
   if (!cell->feet.n) return;
   memset(cell->foot_load, 0, sizeof(cell->foot_load));
-  FeetPush3(contact, &cell->foot_cell, FootDuals(cell, i), &cell->feet);
-  FeetHandOut3(&cell->foot_cell, &cell->feet, cell->foot_load);
+  FeetPush(contact, &cell->foot_cell, FeetHeldAt(cell, i), &cell->feet);
+  FeetHandOut(&cell->foot_cell, &cell->feet, cell->foot_load);
 }
 
 /* The point at node i. */
@@ -219,7 +220,7 @@ PetscErrorCode SpaceCellsClose(Cell *cell) {
 static PetscBool Splits(const Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Friction *law = &cell->load->friction;
-  const PetscReal *a = cell->a->at.W, *b = cell->b->at.W, *fast = b,
+  const PetscReal *a = cell->a->at.v, *b = cell->b->at.v, *fast = b,
                   beta = law->beta > 0 ? law->beta : friction_tiny;
   PetscBool *split = &self->split[i + 1 - cell->rod->first];
   PetscReal aa, bb;

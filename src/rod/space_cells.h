@@ -4,7 +4,7 @@
 #define TENDRIL_SPACE_CELLS_H
 
 #include "rod/directors.h"
-#include "rod/feet_space.h"
+#include "rod/feet.h"
 #include "rod/rod.h"
 #include "rod/strand_rows.h"
 #include "rod/spin.h"
@@ -22,7 +22,7 @@ typedef struct {
   PetscReal p[4], m[3], n[3], size, d[3][3], u[3], f[FIELDS];
   PetscReal couple[3];               /* of friction, in f */
   PetscReal p_t[4], m_t[3], d1_t[3]; /* rates, that of d1 at nodes */
-  Place3 at;
+  Place at;
 } Point;
 
 typedef struct {
@@ -58,10 +58,10 @@ typedef struct {
   const PetscReal (*couple)[3]; /* and to m' */
   PetscBool known;              /* the points are: the state is that of the latest walk */
   Point *a, *mid, *b;
-  PetscBool thin;      /* there may be feet */
-  FootCell3 foot_cell; /* of this cell, ... */
-  Feet3 feet;          /* ... what it is to what stands out, */
-  FootLoad3 foot_load; /* and what that adds to n' and m' at its points alone */
+  PetscBool thin;     /* there may be feet */
+  FootCell foot_cell; /* of this cell, ... */
+  Feet feet;          /* ... what it is to what stands out, */
+  FootLoad foot_load; /* and what that adds to n' and m' at its points alone */
 } Cell;
 
 /* What a cell that is split adds to the moment in its middle, times the couple at its beginning,
@@ -100,9 +100,9 @@ static inline void PointStrains(const Load *load, const Law *law, Point *p) {
               law->u0[k];
     p->at.q[k] = p->d[0][k];
   }
-  p->at.W[SPIN] = 0;
+  p->at.v[SPIN] = 0;
   if (load->arm > 0)
-    p->at.W[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
+    p->at.v[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
 }
 
 /* d1_t at a node. */
@@ -145,10 +145,11 @@ static inline FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
   return self->dual + k * self->duals;
 }
 
-/* Those of the feet of the cell behind node i; NULL: none are remembered. */
-static inline FrictionDual4 *FootDuals(const Cell *cell, PetscInt i) {
+/* Those of the feet of the cell behind node i. */
+static inline FeetHeld FeetHeldAt(const Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
-  return self->foot_dual ? self->foot_dual + (i - cell->rod->first + 1) * WALL_SLOTS : NULL;
+  if (!self->foot_dual) return (FeetHeld){.slots = NULL};
+  return (FeetHeld){.slots = self->foot_dual + (i - cell->rod->first + 1) * WALL_SLOTS};
 }
 
 void SpaceCellsForget(Space_ *self);
@@ -157,7 +158,7 @@ void SpaceCellsNext(Cell *cell, PetscInt i);
 PetscErrorCode SpaceCellsClose(Cell *cell);
 
 /* space_ends.c */
-TipState3 SpaceTipOf(const Load *load, const Point *end);
+TipState SpaceTipOf(const Load *load, const Point *end);
 FrictionDual4 *SpaceTipDual(Rod rod);
 void SpaceClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS], PetscReal r[FIELDS]);
 void SpaceClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],

@@ -14,7 +14,7 @@ typedef struct {
   const FrictionDual4 *dual[PLACES]; /* at the points */
   const PetscReal (*push)[3];        /* what strands add to n' at these points; NULL: none */
   const PetscReal (*couple)[3];      /* and to m'; NULL: none */
-  PetscReal feet[2][FOOT3_LOAD];     /* what feet add in the middle of each */
+  PetscReal feet[2][FOOT_LOAD];      /* what feet add in the middle of each */
   Point p[PLACES];
   PetscReal value[PLACES][FIELDS]; /* f at them, as the defect looks at it */
 } Cells;
@@ -41,17 +41,17 @@ static void PointOnCubic(const Cells *cells, int k, const Law *law_b, PetscReal 
   }
   PointStrains(load, law, p);
   if (load->radius > 0)
-    p->at.W[SPIN] =
+    p->at.v[SPIN] =
         load->arm *
         (HermiteAt(z, h, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(cells->law, a),
                    QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(law_b, b)) +
          law->c * p->u[0]);
   p->at.t = at->at.t;
   for (int i = 0; i < 3; i++)
-    p->at.W[i] = HermiteAt(z, h, a->at.W[i] - cells->law->c * a->d[0][i], wa[i],
-                           b->at.W[i] - law_b->c * b->d[0][i], wb[i]) +
+    p->at.v[i] = HermiteAt(z, h, a->at.v[i] - cells->law->c * a->d[0][i], wa[i],
+                           b->at.v[i] - law_b->c * b->d[0][i], wb[i]) +
                  law->c * p->d[0][i];
-  for (int i = 0; i < RUBS && LoadSticks(load); i++) p->at.W[i] = at->at.W[i];
+  for (int i = 0; i < RUBS && LoadSticks(load); i++) p->at.v[i] = at->at.v[i];
   PointEvaluate(load, law, cells->dual[k], p);
 }
 
@@ -144,7 +144,7 @@ static void Take(const Cell *cell, PetscInt i, int k, Cells *cells) {
   }
   for (int e = 0; e < 3; e++) cells->dual[2 * k + e] = cell->dual[e];
   cells->h[k] = cell->h;
-  for (int d = 0; d < FOOT3_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
+  for (int d = 0; d < FOOT_LOAD; d++) cells->feet[k][d] = cell->feet.n ? cell->foot_load[1][d] : 0;
   cells->p[2 * k] = *cell->a;
   cells->p[2 * k + 1] = *cell->mid;
   cells->p[2 * k + 2] = *cell->b;

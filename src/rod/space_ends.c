@@ -5,12 +5,12 @@
 #include <string.h>
 
 /* SpaceTipOf - what the tip's conditions are about. */
-TipState3 SpaceTipOf(const Load *load, const Point *end) {
-  TipState3 tip = {.at = end->at};
+TipState SpaceTipOf(const Load *load, const Point *end) {
+  TipState tip = {.at = end->at};
 
   if (load->arm > 0) {
     tip.per_W = 1 / load->arm;
-    tip.spin = end->at.W[SPIN] / load->arm;
+    tip.spin = end->at.v[SPIN] / load->arm;
   }
   memcpy(tip.p, end->p, sizeof(tip.p));
   memcpy(tip.m, end->m, sizeof(tip.m));

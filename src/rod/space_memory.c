@@ -30,7 +30,7 @@ static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
 /* Adds what the tip bears. */
 static void AddTip(const Cell *cell, RodForces *sum) {
   Rod rod = cell->rod;
-  const TipState3 tip = SpaceTipOf(cell->load, cell->b);
+  const TipState tip = SpaceTipOf(cell->load, cell->b);
   const PetscInt last = 2 * rod->last + 1;
 
   sum->moved += TipWalls3(&rod->scene->tip, &tip, SpaceTipDual(rod), sum->tip);
@@ -82,11 +82,11 @@ PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal 
     *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.mid->at, seen, cell.dual[1]));
     if (ends) *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.b->at, seen, cell.dual[2]));
     if (cell.feet.n && self->foot_dual)
-      *creep =
-          LargerOf(*creep, FeetHold3(&rod->scene->contact, &cell.feet, seen, FootDuals(&cell, i)));
+      *creep = LargerOf(*creep, FeetHold(&rod->scene->contact, &cell.foot_cell, &cell.feet, seen,
+                                         FeetHeldAt(&cell, i)));
   }
   if (rod->end == rod->last + 1) {
-    TipState3 tip = SpaceTipOf(cell.load, cell.b);
+    TipState tip = SpaceTipOf(cell.load, cell.b);
     *creep = LargerOf(*creep, TipHold3(&rod->scene->tip, &tip, seen, SpaceTipDual(rod)));
   }
   PetscCall(SpaceCellsClose(&cell));

@@ -249,45 +249,45 @@ static void CoupleSlope(const Cell *cell, const Law *law, const Point *p, const 
 }
 
 /* How an end of the cell changes, for its feet. */
-static void FootEnd(const Cell *cell, const Law *law, const Point *p, const PetscReal shift[],
-                    const Slope *slope, FootEnd3 *end) {
+static void EndOf(const Cell *cell, const Law *law, const Point *p, const PetscReal shift[],
+                  const Slope *slope, FootEnd *end) {
   PetscReal dW[RUBS][FIELDS] = {{0}};
 
   memset(end, 0, sizeof(*end));
-  memcpy(end->q, slope->d1, sizeof(end->q));
-  VelocitySlopeSlope(law, p, slope, shift, end->slope_t);
-  for (int d = 0; d < 3; d++) end->shift[d] = shift[X + d];
+  memcpy(end->curve.q, slope->d1, sizeof(end->curve.q));
+  VelocitySlopeSlope(law, p, slope, shift, end->curve.slope_t);
+  for (int d = 0; d < 3; d++) end->curve.shift[d] = shift[X + d];
   if (cell->load->arm == 0) return;
   RateSlope(cell->load, p, 1, shift, dW);
   TurnSlope(cell->load, law, p, slope, dW);
-  for (int f = 0; f < FOOT3_NODE; f++) end->spin[f] = dW[SPIN][f] / cell->load->arm;
+  for (int f = 0; f < FOOT_NODE; f++) end->spin[f] = dW[SPIN][f] / cell->load->arm;
 }
 
 /* What feet do to G and J of CellJacobian(), by the unknowns of node e of the cell, a or b. */
-static void FeetSlope(const Cell *cell, int e, FootSlope3 by, PetscReal G[FIELDS][FIELDS],
+static void FeetSlope(const Cell *cell, int e, FootSlope by, PetscReal G[FIELDS][FIELDS],
                       PetscReal J[FIELDS][FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscReal k = self->bow * cell->h, we = cell->h * self->end_weight,
                   wm = cell->h * self->mid_weight;
 
-  for (int i = 0; i < FOOT3_LOAD; i++)
-    for (int f = 0; f < FOOT3_NODE; f++) {
-      const int row = i < 3 ? N + i : M + i - 3, u = FOOT3_NODE * e + f;
+  for (int i = 0; i < FOOT_LOAD; i++)
+    for (int f = 0; f < FOOT_NODE; f++) {
+      const int row = i < 3 ? N + i : M + i - 3, u = FOOT_NODE * e + f;
       G[row][f] += k * (by[0][i][u] - by[2][i][u]);
       J[row][f] -= we * (by[0][i][u] + by[2][i][u]) + wm * by[1][i][u];
     }
 }
 
 /* ... and their kink, once G is known. */
-static void AddKinkSlope(const Cell *cell, int e, FootSlope3 by, PetscReal G[FIELDS][FIELDS],
+static void AddKinkSlope(const Cell *cell, int e, FootSlope by, PetscReal G[FIELDS][FIELDS],
                          PetscReal J[FIELDS][FIELDS]) {
   PetscReal by_p[4][4], by_w[4][3];
 
   KinkSlope(cell, by_p, by_w);
   AddProduct(4, 4, FIELDS, -1, by_p[0], 4, G[P], FIELDS, J[P], FIELDS);
   for (int i = 0; i < 4; i++)
-    for (int f = 0; f < FOOT3_NODE; f++)
-      for (int d = 0; d < 3; d++) J[P + i][f] -= by_w[i][d] * by[FOOT_KINK][d][FOOT3_NODE * e + f];
+    for (int f = 0; f < FOOT_NODE; f++)
+      for (int d = 0; d < 3; d++) J[P + i][f] -= by_w[i][d] * by[FOOT_KINK][d][FOOT_NODE * e + f];
 }
 
 /* J, the derivative of the cell's equations by the unknowns of one of its nodes: sign -1 for node
@@ -295,7 +295,7 @@ static void AddKinkSlope(const Cell *cell, int e, FootSlope3 by, PetscReal G[FIE
    + df_mid/dW dW_mid/dy). feet: what those of the cell change; NULL: it has none. */
 WIDE_VECTORS static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[],
                                       const Law *law, const Point *p, const FrictionDual4 *dual,
-                                      const Slope *slope, const Slope *mid, FootSlope3 feet,
+                                      const Slope *slope, const Slope *mid, FootSlope feet,
                                       PetscReal J[FIELDS][FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const Load *load = cell->load;
@@ -384,7 +384,7 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
                        PetscReal right[FIELDS][FIELDS]) {
   PetscReal still[FIELDS];
   const PetscReal *own = ShiftsAt(cell, i + 1, shift, still);
-  FootSlope3 feet;
+  FootSlope feet;
 
   if (first)
     NodeSlope(cell, cell->law, cell->a, cell->dual[0], shift, &slopes->a);
@@ -395,12 +395,12 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
   if (cell->load->arm > 0 && !cell->split)
     AddCouple(cell->load, cell->law + 1, cell->mid, cell->dual[1], &slopes->mid);
   if (cell->feet.n) {
-    FootEnd3 end[2];
+    FootEnd end[2];
     memset(feet, 0, sizeof(feet));
-    FootEnd(cell, cell->law, cell->a, shift, &slopes->a, &end[0]);
-    FootEnd(cell, cell->law + 2, cell->b, own, &slopes->b, &end[1]);
-    FeetLinearise3(&cell->rod->scene->contact, &cell->foot_cell, end, cell->fresh,
-                   FootDuals(cell, i), &cell->feet, feet);
+    EndOf(cell, cell->law, cell->a, shift, &slopes->a, &end[0]);
+    EndOf(cell, cell->law + 2, cell->b, own, &slopes->b, &end[1]);
+    FeetLinearise(&cell->rod->scene->contact, &cell->foot_cell, end, cell->fresh,
+                  FeetHeldAt(cell, i), &cell->feet, feet);
   }
   CellJacobian(cell, -1, shift, cell->law, cell->a, cell->dual[0], &slopes->a, &slopes->mid,
                cell->feet.n ? feet : NULL, left);
@@ -411,7 +411,7 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
 static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
                      PetscReal by[RIGHT][FIELDS]) {
   Rod rod = cell->rod;
-  TipState3 tip = SpaceTipOf(cell->load, cell->b);
+  TipState tip = SpaceTipOf(cell->load, cell->b);
   PetscReal dW[RUBS][FIELDS] = {{0}}, still[FIELDS];
 
   RateSlope(cell->load, cell->b, 1, ShiftsAt(cell, rod->last, shift, still), dW);

@@ -24,7 +24,7 @@ static const Spot *SampleSpot(const struct _Strands *self, PetscInt sample) {
   spot->cell = tip ? self->cells - 1 : sample / self->each;
   spot->on.z = tip ? 1 : (sample % self->each + self->ahead) / self->each;
   StrandCell(self, spot->cell, &cell);
-  CurveAt(&cell, &spot->on);
+  CurvePlaceAt(&cell, &spot->on);
   return spot;
 }
 
@@ -47,14 +47,14 @@ static void FootFrom(const struct _Strands *self, const PetscReal x[3], Spot *fo
   for (int k = 0; k < CURVE_MOST; k++) {
     PetscReal o[3], step;
     CurveWay way;
-    CurveAt(&cell, on);
+    CurvePlaceAt(&cell, on);
     for (int d = 0; d < 3; d++) o[d] = x[d] - on->x[d];
     step = CurveStep(Dot3(o, on->slope), Dot3(on->slope, on->slope), Dot3(o, on->bend));
     way = CurveGo(self->cells, on->z + step, &foot->cell, &on->z, ends);
     if (way == CURVE_ARRIVED) return;
     if (way == CURVE_NEXT) StrandCell(self, foot->cell, &cell);
   }
-  CurveAt(&cell, on);
+  CurvePlaceAt(&cell, on);
 }
 
 /* ---- laws, and the state ---- */

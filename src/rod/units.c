@@ -20,7 +20,7 @@
    somewhere. */
 static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor, PetscBool *unheld) {
   const Load *load = &rod->scene->load;
-  PetscReal least = PETSC_MAX_REAL, sum = 0, slope[2];
+  PetscReal least = PETSC_MAX_REAL, sum = 0, slope[3];
   Node *nodes;
 
   PetscFunctionBegin;
@@ -30,8 +30,8 @@ static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor, PetscBool *unheld)
   PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
   PetscCall(RodInitialNodes(rod, 0, nodes));
   for (PetscInt i = 0; i < rod->end - rod->first; i++) {
-    const PetscReal N = rod->model->space ? LoadFactor3(load, nodes[i].x3, 0)
-                                          : LoadFactor(load, nodes[i].x, 0, slope);
+    const PetscReal flat[3] = {nodes[i].x[0], nodes[i].x[1], 0},
+                    N = LoadFactor(load, rod->model->space ? nodes[i].x3 : flat, 0, slope);
     least = PetscMin(least, N);
     sum += N;
   }

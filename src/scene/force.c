@@ -5,10 +5,10 @@
    where it will be is not known. */
 static PetscReal FrictionFactor(const struct _Scene *scene) {
   enum { PLACES = 5 };
-  PetscReal most = 0, slope[2];
+  PetscReal most = 0, slope[3];
 
   for (int k = 0; k < PLACES; k++) {
-    const PetscReal x[2] = {scene->growth->initial_length * k / (PLACES - 1), 0};
+    const PetscReal x[3] = {scene->growth->initial_length * k / (PLACES - 1), 0, 0};
     most = PetscMax(most, LoadFactor(&scene->load, x, 0, slope));
   }
   return most;

@@ -275,7 +275,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(GrowthCreate(&self->growth));
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
   PetscCall(SpaceClampDirection(&self->clamp_angle, &self->space));
-  PetscCall(LoadSetFromOptions(&self->load, self->clamp_angle));
+  PetscCall(LoadSetFromOptions(&self->load));
   if (self->growth->rests) LoadNextToExact(&self->load);
   PetscCall(TipSetFromOptions(&self->tip, &self->load));
   PetscCall(StiffnessSetFromOptions(&self->stiffness));

@@ -17,7 +17,7 @@ PetscBool StraightScales(Scene scene) {
           load there
 */
 PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion *motion) {
-  PetscReal x[2] = {0, 0}, slope[2];
+  PetscReal x[3] = {0}, slope[3];
 
   PetscFunctionBegin;
   PetscCall(GrowthStretch(scene->growth, 1, &s, t, &motion->g, NULL, &motion->g_s));

@@ -1,4 +1,5 @@
 #include "world/load.h"
+#include "base/vectors.h"
 #include "world/contact_space.h"
 
 static const OptionRow rows[] = {
@@ -34,17 +35,13 @@ static PetscErrorCode ReadField(Load *load) {
 /*
   LoadSetFromOptions - reads and checks the options of all terms. Collective; the caller ends it
   with LoadDestroy(), also after an error.
-
-  clamp_angle  of the clamp in the laboratory
 */
-PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle) {
+PetscErrorCode LoadSetFromOptions(Load *load) {
   PetscFunctionBegin;
   PetscCall(FrictionSetFromOptions(&load->friction));
   load->viscous = 1 - load->friction.mu;
   PetscCall(OptionReal("-friction_across", &load->across, NULL));
   PetscCall(ReadField(load));
-  load->clamp[0] = PetscCosReal(clamp_angle);
-  load->clamp[1] = PetscSinReal(clamp_angle);
   load->turns = (PetscBool)(load->across != 1);
   load->moves = (PetscBool)(load->field != NULL);
   load->varied = (PetscBool)(load->turns || load->moves);
@@ -81,36 +78,23 @@ PetscErrorCode LoadDestroy(Load *load) {
   PetscFunctionReturn(0);
 }
 
-/* The same where the clamp points out of the plane of x1 and x2. */
-static PetscReal FactorTilted(const Load *load, const PetscReal x[2], PetscReal t,
-                              PetscReal slope[2]) {
+/* LoadFactor - N at a place in the clamp's frame, and its derivatives there. */
+PetscReal LoadFactor(const Load *load, const PetscReal x[3], PetscReal t, PetscReal slope[3]) {
   PetscReal lab[3], by[3], factor;
 
-  for (int d = 0; d < 3; d++) lab[d] = load->lab[d][0] * x[0] + load->lab[d][1] * x[1];
+  for (int d = 0; d < 3; d++) slope[d] = 0;
+  if (!load->field) return 1;
+  for (int d = 0; d < 3; d++) lab[d] = Dot3(load->lab[d], x);
   FieldAt(load->field, lab, t, &factor, by);
-  for (int d = 0; d < 2; d++)
+  for (int d = 0; d < 3; d++)
     slope[d] = load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2];
-  return factor;
-}
-
-/* LoadFactor - N at a place in the clamp's frame, and its derivatives there. */
-PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]) {
-  const PetscReal c = load->clamp[0], s = load->clamp[1];
-  PetscReal lab[3] = {c * x[0] - s * x[1], s * x[0] + c * x[1], 0}, by[3], factor = 1;
-
-  slope[0] = slope[1] = 0;
-  if (!load->field) return factor;
-  if (load->lab[2][0] != 0) return FactorTilted(load, x, t, slope);
-  FieldAt(load->field, lab, t, &factor, by);
-  slope[0] = c * by[0] + s * by[1];
-  slope[1] = -s * by[0] + c * by[1];
   return factor;
 }
 
 /* LoadForceVaried - f <- N M f. */
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]) {
   const PetscReal *q = at->q;
-  PetscReal slope[2], N = load->moves ? LoadFactor(load, at->x, at->t, slope) : 1,
+  PetscReal slope[3], N = load->moves ? LoadFactor(load, at->x, at->t, slope) : 1,
                       along = q[0] * f[0] + q[1] * f[1], across = q[0] * f[1] - q[1] * f[0];
 
   across *= load->across;
@@ -125,7 +109,7 @@ void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]) {
 */
 void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope) {
   const PetscReal *q = at->q, perp[2] = {-at->q[1], at->q[0]}, a = load->across;
-  PetscReal by[2] = {0, 0}, N = load->moves ? LoadFactor(load, at->x, at->t, by) : 1, f[2], along,
+  PetscReal by[3] = {0}, N = load->moves ? LoadFactor(load, at->x, at->t, by) : 1, f[2], along,
             across;
 
   for (int c = 0; c < 2; c++) {
@@ -266,15 +250,6 @@ void LoadAtTolerance(Load *load, PetscReal rtol) {
   if (load->limit) load->friction.beta = PetscMax(next_to_exact, PetscSqr(speed));
 }
 
-/* dN/dx3 of the clamp's frame at a place on its axis. */
-static PetscReal SlopeAcross3(const Load *load, PetscReal x1, PetscReal t) {
-  PetscReal lab[3], by[3], factor;
-
-  for (int d = 0; d < 3; d++) lab[d] = load->lab[d][0] * x1;
-  FieldAt(load->field, lab, t, &factor, by);
-  return load->lab[0][2] * by[0] + load->lab[1][2] * by[1] + load->lab[2][2] * by[2];
-}
-
 /* The largest viscous share that is given: results are off by some percent with it. */
 static const PetscReal most_shared = 1e-2, raised_by = 10;
 
@@ -321,11 +296,10 @@ PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end) {
 
   for (int i = 0; i <= ALONG && load->moves; i++)
     for (int j = 0; j <= TIMES; j++) {
-      PetscReal x[2] = {length * i / ALONG, 0}, slope[2];
+      const PetscReal x[3] = {length * i / ALONG, 0, 0};
+      PetscReal slope[3];
       (void)LoadFactor(load, x, end * j / TIMES, slope);
-      if (PetscAbsReal(slope[1]) > 1e-9) return PETSC_FALSE;
-      if (load->field && PetscAbsReal(SlopeAcross3(load, x[0], end * j / TIMES)) > 1e-9)
-        return PETSC_FALSE;
+      if (PetscMax(PetscAbsReal(slope[1]), PetscAbsReal(slope[2])) > 1e-9) return PETSC_FALSE;
     }
   return PETSC_TRUE;
 }

@@ -18,11 +18,10 @@ typedef struct {
   Friction friction;
   PetscReal across;       /* a */
   Field field;            /* N; NULL: 1 */
-  PetscReal clamp[2];     /* direction of the clamp in the laboratory, where N is given */
   const Contact *walls;   /* NULL: none; borrowed */
   PetscReal weight[3];    /* force per length, in the clamp's frame */
   PetscReal radius;       /* at which friction feels the spin of a rod in space; 0: it does not */
-  PetscReal lab[3][3];    /* from the clamp's frame to the laboratory, in space */
+  PetscReal lab[3][3];    /* from the clamp's frame to the laboratory, where N is given */
   PetscBool weighs;       /* weight is not 0 */
   PetscBool plain;        /* N = 1 and a = 1, no walls, no weight */
   PetscBool varied;       /* N or a is not 1 */
@@ -37,9 +36,13 @@ typedef struct {
   PetscBool shared;  /* a viscous share was given to dry friction, see LoadShareMore() */
 } Load;
 
-/* Where on the rod, and how fast; all in the clamp's frame. */
+enum { SPIN = 3, RUBS = 4 }; /* the components of what rubs */
+
+/* Where on the rod, and how fast; all in the clamp's frame. In the plane the third components are
+   0. */
 typedef struct {
-  PetscReal t, x[2], q[2], v[2]; /* time, position, tangent, velocity of the material */
+  PetscReal t, x[3], q[3]; /* time, position, tangent */
+  PetscReal v[RUBS];       /* velocity of the material, and in space load->arm times its spin */
 } Place;
 
 /* The derivatives of F: by v, by the angle of the rod (if it turns), by x (if it moves). */
@@ -51,7 +54,7 @@ typedef FrictionDual LoadDual; /* what Newton's method remembers of a place: loa
 
 extern const OptionGroup load_options;
 
-PetscErrorCode LoadSetFromOptions(Load *load, PetscReal clamp_angle);
+PetscErrorCode LoadSetFromOptions(Load *load);
 void LoadNextToExact(Load *load);
 PetscBool LoadIsNextToExact(const Load *load);
 void LoadNextToExactByWalls(Load *load);
@@ -74,7 +77,7 @@ void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual
 void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
                PetscReal walls[2]);
 PetscBool LoadIsDry(const Load *load);
-PetscReal LoadFactor(const Load *load, const PetscReal x[2], PetscReal t, PetscReal slope[2]);
+PetscReal LoadFactor(const Load *load, const PetscReal x[3], PetscReal t, PetscReal slope[3]);
 
 /* F */
 static inline void LoadForce(const Load *load, const Place *at, const LoadDual *dual,

@@ -1,29 +1,9 @@
 #include "world/load_space.h"
 #include "base/vectors.h"
 
-/* N at a place, and its derivatives there. */
-static PetscReal Factor3(const Load *load, const Place3 *at, PetscReal slope[3]) {
-  PetscReal lab[3], by[3], factor;
-
-  for (int d = 0; d < 3; d++)
-    lab[d] = load->lab[d][0] * at->x[0] + load->lab[d][1] * at->x[1] + load->lab[d][2] * at->x[2];
-  FieldAt(load->field, lab, at->t, &factor, by);
-  for (int d = 0; d < 3; d++)
-    slope[d] = load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2];
-  return factor;
-}
-
-/* LoadFactor3 - N at a place in the clamp's frame. */
-PetscReal LoadFactor3(const Load *load, const PetscReal x[3], PetscReal t) {
-  const Place3 at = {.t = t, .x = {x[0], x[1], x[2]}};
-  PetscReal slope[3];
-
-  return load->field ? Factor3(load, &at, slope) : 1;
-}
-
 /* f <- N M f, and the couple */
-static void Vary(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
-  PetscReal by[3], N = load->field ? Factor3(load, at, by) : 1, a = load->across,
+static void Vary(const Load *load, const Place *at, PetscReal f[RUBS]) {
+  PetscReal by[3], N = load->field ? LoadFactor(load, at->x, at->t, by) : 1, a = load->across,
                    more = (1 - a) * Dot3(at->q, f);
 
   for (int d = 0; d < 3; d++) f[d] = N * (a * f[d] + more * at->q[d]);
@@ -42,7 +22,7 @@ static inline PetscBool Deaf(const Load *load) {
 }
 
 /* Takes off f what walls push with; returns the power of those that move. */
-static PetscReal ForceWalls(const Load *load, const Place3 *at, const FrictionDual4 *dual,
+static PetscReal ForceWalls(const Load *load, const Place *at, const FrictionDual4 *dual,
                             PetscReal f[RUBS]) {
   const FrictionDual4 *slots = load->duals3 > 1 ? dual + 1 : NULL;
   const Rubbed rubbed = LoadRubbed(load, at);
@@ -61,8 +41,8 @@ static PetscReal ForceWalls(const Load *load, const Place3 *at, const FrictionDu
 }
 
 /* LoadForce3 - the force F that the rod overcomes, per length, and the couple about its tangent. */
-void LoadForce3(const Load *load, const Place3 *at, const FrictionDual4 *dual, PetscReal f[RUBS]) {
-  PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
+void LoadForce3(const Load *load, const Place *at, const FrictionDual4 *dual, PetscReal f[RUBS]) {
+  PetscReal W[RUBS] = {at->v[0], at->v[1], at->v[2], Deaf(load) ? 0 : at->v[SPIN]};
 
   FrictionForce4(&load->friction, W, dual, f);
   if (load->varied) Vary(load, at, f);
@@ -73,9 +53,9 @@ void LoadForce3(const Load *load, const Place3 *at, const FrictionDual4 *dual, P
 
 /* LoadParts3 - the forces of friction and of walls on the rod, per length, and the power of walls
    that move. */
-void LoadParts3(const Load *load, const Place3 *at, const FrictionDual4 *dual,
-                PetscReal friction[3], PetscReal walls[3], PetscReal *moved) {
-  PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
+void LoadParts3(const Load *load, const Place *at, const FrictionDual4 *dual, PetscReal friction[3],
+                PetscReal walls[3], PetscReal *moved) {
+  PetscReal W[RUBS] = {at->v[0], at->v[1], at->v[2], Deaf(load) ? 0 : at->v[SPIN]};
   PetscReal f[RUBS], of_walls[RUBS] = {0};
 
   FrictionForce4(&load->friction, W, dual, f);
@@ -88,21 +68,21 @@ void LoadParts3(const Load *load, const Place3 *at, const FrictionDual4 *dual,
 }
 
 /* LoadSeen3 - the same where nothing is held, as an observer sees it, and without weight. */
-void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]) {
-  const PetscReal spin = Deaf(load) ? 0 : at->W[SPIN];
-  PetscReal drag = FrictionPhi(&load->friction, Dot3(at->W, at->W) + spin * spin);
+void LoadSeen3(const Load *load, const Place *at, PetscReal f[RUBS]) {
+  const PetscReal spin = Deaf(load) ? 0 : at->v[SPIN];
+  PetscReal drag = FrictionPhi(&load->friction, Dot3(at->v, at->v) + spin * spin);
 
-  for (int d = 0; d < 3; d++) f[d] = drag * at->W[d];
+  for (int d = 0; d < 3; d++) f[d] = drag * at->v[d];
   f[SPIN] = drag * spin;
   if (load->varied) Vary(load, at, f);
   f[SPIN] *= load->radius;
 }
 
 /* dN M f: by W, as friction feels it, by q and by x. */
-static void SlopeVaried(const Load *load, const Place3 *at, const PetscReal W[RUBS],
+static void SlopeVaried(const Load *load, const Place *at, const PetscReal W[RUBS],
                         const FrictionDual4 *dual, LoadSlope3 *slope) {
-  PetscReal by[3] = {0}, N = load->field ? Factor3(load, at, by) : 1, a = load->across, f[RUBS],
-            along;
+  PetscReal by[3] = {0}, N = load->field ? LoadFactor(load, at->x, at->t, by) : 1, a = load->across,
+            f[RUBS], along;
 
   for (int c = 0; c < RUBS; c++) {
     along = (1 - a) *
@@ -124,7 +104,7 @@ static void SlopeVaried(const Load *load, const Place3 *at, const PetscReal W[RU
 }
 
 /* The same of walls. */
-static void SlopeWalls(const Load *load, const Place3 *at, PetscBool fresh, FrictionDual4 *dual,
+static void SlopeWalls(const Load *load, const Place *at, PetscBool fresh, FrictionDual4 *dual,
                        LoadSlope3 *slope) {
   FrictionDual4 *slots = load->duals3 > 1 ? dual + 1 : NULL;
   const Rubbed rubbed = LoadRubbed(load, at);
@@ -149,9 +129,9 @@ static void SlopeWalls(const Load *load, const Place3 *at, PetscBool fresh, Fric
 /* LoadLinearise3 - the slope of force and couple for Newton's method, the duals brought up to the
    present velocity first; fresh: a Newton solve begins. Those by q and x are set only where
    LoadPlaced(). */
-void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, FrictionDual4 *dual,
+void LoadLinearise3(const Load *load, const Place *at, PetscBool fresh, FrictionDual4 *dual,
                     LoadSlope3 *slope) {
-  PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
+  PetscReal W[RUBS] = {at->v[0], at->v[1], at->v[2], Deaf(load) ? 0 : at->v[SPIN]};
 
   FrictionLinearise4(&load->friction, W, fresh, dual, slope->W);
   if (load->varied)
@@ -165,8 +145,8 @@ void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, Frictio
 }
 
 /* LoadHold3 - moves what holds a sticking place; returns the speed at which it creeps. */
-PetscReal LoadHold3(const Load *load, const Place3 *at, PetscReal seen, FrictionDual4 dual[]) {
-  PetscReal W[RUBS] = {at->W[0], at->W[1], at->W[2], Deaf(load) ? 0 : at->W[SPIN]};
+PetscReal LoadHold3(const Load *load, const Place *at, PetscReal seen, FrictionDual4 dual[]) {
+  PetscReal W[RUBS] = {at->v[0], at->v[1], at->v[2], Deaf(load) ? 0 : at->v[SPIN]};
   const Rubbed rubbed = LoadRubbed(load, at);
   PetscReal creep = FrictionDualHold4(W, seen, friction_hold, dual);
 

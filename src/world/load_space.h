@@ -16,13 +16,6 @@
 #include "world/contact_space.h"
 #include "world/load.h"
 
-enum { SPIN = 3, RUBS = 4 }; /* the components of W */
-
-typedef struct {
-  PetscReal t, x[3], q[3]; /* time, position, tangent */
-  PetscReal W[RUBS];       /* velocity of the material, and r omega */
-} Place3;
-
 /* The derivatives of the force and, last, of the couple: by W, q and x. */
 typedef struct {
   PetscReal W[RUBS][RUBS], q[RUBS][3], x[RUBS][3];
@@ -30,15 +23,14 @@ typedef struct {
 
 void LoadSetArm(Load *load);
 
-void LoadForce3(const Load *load, const Place3 *at, const FrictionDual4 *dual, PetscReal f[RUBS]);
-void LoadLinearise3(const Load *load, const Place3 *at, PetscBool fresh, FrictionDual4 *dual,
+void LoadForce3(const Load *load, const Place *at, const FrictionDual4 *dual, PetscReal f[RUBS]);
+void LoadLinearise3(const Load *load, const Place *at, PetscBool fresh, FrictionDual4 *dual,
                     LoadSlope3 *slope);
-PetscReal LoadHold3(const Load *load, const Place3 *at, PetscReal seen, FrictionDual4 dual[]);
-void LoadParts3(const Load *load, const Place3 *at, const FrictionDual4 *dual,
-                PetscReal friction[3], PetscReal walls[3], PetscReal *moved);
-void LoadSeen3(const Load *load, const Place3 *at, PetscReal f[RUBS]);
+PetscReal LoadHold3(const Load *load, const Place *at, PetscReal seen, FrictionDual4 dual[]);
+void LoadParts3(const Load *load, const Place *at, const FrictionDual4 *dual, PetscReal friction[3],
+                PetscReal walls[3], PetscReal *moved);
+void LoadSeen3(const Load *load, const Place *at, PetscReal f[RUBS]);
 PetscBool LoadInSpace(const Load *load);
-PetscReal LoadFactor3(const Load *load, const PetscReal x[3], PetscReal t);
 
 /* Do force and couple depend on place and direction? */
 static inline PetscBool LoadPlaced(const Load *load) {
@@ -46,8 +38,8 @@ static inline PetscBool LoadPlaced(const Load *load) {
 }
 
 /* What walls see of a place. */
-static inline Rubbed LoadRubbed(const Load *load, const Place3 *at) {
-  return (Rubbed){at->x, at->q, at->W, load->arm > 0 ? at->W[SPIN] / load->arm : 0};
+static inline Rubbed LoadRubbed(const Load *load, const Place *at) {
+  return (Rubbed){at->x, at->q, at->v, load->arm > 0 ? at->v[SPIN] / load->arm : 0};
 }
 
 #endif

@@ -120,21 +120,27 @@ static void AddWallsSlope(const Tip *tip, const TipState *at, const PetscReal sh
   }
 }
 
-/* TipForce - the force f on a tip that is free. */
-void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]) {
+/* What is on a free tip, but for a resistance and walls: -P along the clamp, or -P q; and what
+   pushes beside. */
+static void OwnForce(const Tip *tip, const TipState *at, PetscReal f[3]) {
   const PetscReal P = tip->force;
 
-  f[0] = f[1] = 0;
-  if (P != 0 && tip->law == TIP_DEAD)
-    f[0] = -P;
-  else if (P != 0 && tip->law == TIP_FOLLOWER)
-    for (int d = 0; d < 2; d++) f[d] = -P * at->at.q[d];
-  else if (P != 0) {
-    LoadForce(&tip->resistance, &at->at, dual, f);
-    for (int d = 0; d < 2; d++) f[d] *= -P;
+  for (int d = 0; d < 3; d++)
+    f[d] = tip->push[d] - (tip->law == TIP_FOLLOWER ? P * at->at.q[d] : 0);
+  if (tip->law == TIP_DEAD) f[0] -= P;
+}
+
+/* TipForce - the force f on a tip that is free, in the plane. */
+void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]) {
+  PetscReal own[3], drag[2];
+
+  OwnForce(tip, at, own);
+  for (int d = 0; d < 2; d++) f[d] = own[d];
+  if (tip->force != 0 && tip->law == TIP_RESISTANCE) {
+    LoadForce(&tip->resistance, &at->at, dual, drag);
+    for (int d = 0; d < 2; d++) f[d] -= tip->force * drag[d];
   }
   TipWalls(tip, &at->at, dual, f);
-  for (int d = 0; d < 2; d++) f[d] += tip->push[d];
 }
 
 /* Where it is held at a time. */
@@ -178,16 +184,22 @@ void TipHeldFrame(const Tip *tip, PetscReal t, PetscReal p[4]) {
   for (int k = 0; k < 4; k++) p[k] = dot < 0 ? -held.p[k] : held.p[k];
 }
 
+/* The conditions on force and place: n = f, or the place along axes along which it is held. */
+static inline void Hold(int dims, const Tip *tip, const TipState *at, const PathPlace *held,
+                        const PetscReal f[], PetscReal r[]) {
+  for (int d = 0; d < dims; d++)
+    r[d] = TipHolds(tip, d) ? tip->per_place * (at->at.x[d] - held->x[d]) : at->n[d] - f[d];
+}
+
 /* TipResidual - the three conditions at the tip, r = 0. */
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]) {
-  PathPlace held;
+  PathPlace held = {.angle = 0};
   PetscReal f[2];
 
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
   if (!TipHolds(tip, 0)) TipForce(tip, at, dual, f);
-  r[0] = TipPoints(tip) ? tip->per_turn * (at->theta - held.angle) : at->moment;
-  for (int d = 0; d < 2; d++)
-    r[1 + d] = TipHolds(tip, d) ? tip->per_place * (at->at.x[d] - held.x[d]) : at->force[d] - f[d];
+  r[0] = TipPoints(tip) ? tip->per_turn * (at->theta - held.angle) : at->m[2];
+  Hold(2, tip, at, &held, f, r + 1);
 }
 
 /*
@@ -227,9 +239,9 @@ static void TurnFrom(const PetscReal held[4], const PetscReal p[4], PetscReal v[
 
 /* TipWalls3 - adds to f what walls push a free tip in space with, and the couple about its tangent:
    that of a piece l of rod. Returns the power of those that move. */
-PetscReal TipWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+PetscReal TipWalls3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
                     PetscReal f[RUBS]) {
-  const Rubbed rubbed = {at->at.x, at->at.q, at->at.W, at->spin};
+  const Rubbed rubbed = {at->at.x, at->at.q, at->at.v, at->spin};
   Touch3 touch[MOST_TOUCHES3];
   PetscReal moved = 0, l;
   PetscInt n;
@@ -249,28 +261,23 @@ PetscReal TipWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 *du
 }
 
 /* The place of the tip as a resistance sees it, which feels it move, but not spin. */
-static Place3 Unspun(const TipState3 *at) {
-  Place3 place = at->at;
+static Place Unspun(const TipState *at) {
+  Place place = at->at;
 
-  place.W[SPIN] = 0;
+  place.v[SPIN] = 0;
   return place;
 }
 
 /* The force on a free tip in space, and the couple about its tangent. */
-static void TipForce3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+static void TipForce3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
                       PetscReal f[RUBS]) {
-  const PetscReal P = tip->force;
-  const Place3 unspun = Unspun(at);
+  const Place unspun = Unspun(at);
   PetscReal drag[RUBS];
 
-  for (int d = 0; d < 3; d++) f[d] = tip->push[d];
-  if (P != 0 && tip->law == TIP_DEAD)
-    f[0] -= P;
-  else if (P != 0 && tip->law == TIP_FOLLOWER)
-    for (int d = 0; d < 3; d++) f[d] -= P * at->at.q[d];
-  else if (P != 0) {
+  OwnForce(tip, at, f);
+  if (tip->force != 0 && tip->law == TIP_RESISTANCE) {
     LoadForce3(&tip->resistance, &unspun, dual, drag);
-    for (int d = 0; d < 3; d++) f[d] -= P * drag[d];
+    for (int d = 0; d < 3; d++) f[d] -= tip->force * drag[d];
   }
   f[SPIN] = tip->torque;
   (void)TipWalls3(tip, at, dual, f);
@@ -278,27 +285,26 @@ static void TipForce3(const Tip *tip, const TipState3 *at, const FrictionDual4 *
 
 /* TipResidual3 - the six conditions at the tip in space, r = 0: m = torque d1, or the frame it is
    held at; n = f, or the place. */
-void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
                   PetscReal r[TIP_ROWS3]) {
   PetscReal f[RUBS] = {0, 0, 0, tip->torque};
-  PathPlace held;
+  PathPlace held = {.angle = 0};
 
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
   if (!TipHolds(tip, 0)) TipForce3(tip, at, dual, f);
   if (TipPoints(tip)) TurnFrom(held.p, at->p, r);
   for (int d = 0; d < 3; d++)
     r[d] = TipPoints(tip) ? tip->per_turn * r[d] : at->m[d] - f[SPIN] * at->at.q[d];
-  for (int d = 0; d < 3; d++)
-    r[3 + d] = TipHolds(tip, d) ? tip->per_place * (at->at.x[d] - held.x[d]) : at->n[d] - f[d];
+  Hold(3, tip, at, &held, f, r + 3);
 }
 
 /* Takes the derivatives of what walls push with off J, the conditions being m - couple q = 0 and
    n - f = 0. */
-static void PushWallsSlope3(const Tip *tip, const TipState3 *at,
+static void PushWallsSlope3(const Tip *tip, const TipState *at,
                             const PetscReal dW[RUBS][TIP_FIELDS3], PetscBool fresh,
                             FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
   enum { P = 3 };
-  const Rubbed rubbed = {at->at.x, at->at.q, at->at.W, at->spin};
+  const Rubbed rubbed = {at->at.x, at->at.q, at->at.v, at->spin};
   FrictionDual4 *slots = ContactWallsRub(tip->walls) ? dual + 1 : NULL;
   Touch3 touch[MOST_TOUCHES3];
   PetscInt n = ContactTouches3(tip->walls, at->at.x, touch);
@@ -330,11 +336,11 @@ static void PushWallsSlope3(const Tip *tip, const TipState3 *at,
 
 /* TipJacobian3 - their derivatives by (x, p, m, n), of which W has the derivatives dW; fresh, dual
    as for LoadLinearise3(). */
-void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][TIP_FIELDS3],
+void TipJacobian3(const Tip *tip, const TipState *at, const PetscReal dW[RUBS][TIP_FIELDS3],
                   PetscBool fresh, FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
   enum { X, P = 3, M = 7, N = 10 };
   const PetscReal force = tip->force;
-  const Place3 unspun = Unspun(at);
+  const Place unspun = Unspun(at);
   LoadSlope3 slope = {.q = {{0}}};
   PathPlace held;
 
@@ -368,13 +374,13 @@ void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][
 
 /* TipHold3 - moves what holds a tip in space that sticks, to what resists it or to walls; returns
    the speed at which it creeps. */
-PetscReal TipHold3(const Tip *tip, const TipState3 *at, PetscReal seen, FrictionDual4 dual[]) {
-  const Rubbed rubbed = {at->at.x, at->at.q, at->at.W, at->spin};
-  const Place3 unspun = Unspun(at);
+PetscReal TipHold3(const Tip *tip, const TipState *at, PetscReal seen, FrictionDual4 dual[]) {
+  const Rubbed rubbed = {at->at.x, at->at.q, at->at.v, at->spin};
+  const Place unspun = Unspun(at);
   PetscReal creep = 0;
 
   if (tip->type != TIP_FREE) return 0;
-  if (TipResists(tip)) creep = FrictionDualHold4(unspun.W, seen, friction_hold, dual);
+  if (TipResists(tip)) creep = FrictionDualHold4(unspun.v, seen, friction_hold, dual);
   if (tip->walls && ContactWallsRub(tip->walls))
     creep = LargerOf(creep, ContactHold3(tip->walls, &rubbed, seen, dual + 1));
   return creep;

@@ -34,19 +34,16 @@ typedef struct {
   PetscReal per_turn, per_place;
 } Tip;
 
-/* The state of the tip, in the clamp's frame. */
+enum { TIP_ROWS3 = 6, TIP_FIELDS3 = 13 };
+
+/* The state of the tip, in the clamp's frame: how it is turned, in the plane by an angle, in space
+   by a quaternion; moment (in the plane about x3) and force. */
 typedef struct {
   Place at;
-  PetscReal theta, moment, force[2];
+  PetscReal theta, p[4], m[3], n[3];
+  PetscReal q_p[3][4];   /* in space: how the tangent changes with p */
+  PetscReal spin, per_W; /* ... spin of the material, and how that changes with the last of at.v */
 } TipState;
-
-/* In space: x, p, m, n, the tangent and its derivative by p, and the spin. */
-enum { TIP_ROWS3 = 6, TIP_FIELDS3 = 13 };
-typedef struct {
-  Place3 at;
-  PetscReal spin, per_W; /* of the material; and how it changes with the last of W */
-  PetscReal p[4], m[3], n[3], q_p[3][4];
-} TipState3;
 
 extern const OptionGroup tip_options;
 
@@ -56,17 +53,17 @@ const PetscReal *TipStill(const Tip *tip, PetscReal t, int axes, int fields,
                           const PetscReal rates[], PetscReal still[]);
 void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);
 void TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]);
-PetscReal TipWalls3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+PetscReal TipWalls3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
                     PetscReal f[RUBS]);
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]);
 void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
                  LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]);
-void TipResidual3(const Tip *tip, const TipState3 *at, const FrictionDual4 *dual,
+void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
                   PetscReal r[TIP_ROWS3]);
-void TipJacobian3(const Tip *tip, const TipState3 *at, const PetscReal dW[RUBS][TIP_FIELDS3],
+void TipJacobian3(const Tip *tip, const TipState *at, const PetscReal dW[RUBS][TIP_FIELDS3],
                   PetscBool fresh, FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]);
 void TipHeldFrame(const Tip *tip, PetscReal t, PetscReal p[4]);
-PetscReal TipHold3(const Tip *tip, const TipState3 *at, PetscReal seen, FrictionDual4 dual[]);
+PetscReal TipHold3(const Tip *tip, const TipState *at, PetscReal seen, FrictionDual4 dual[]);
 PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const PetscReal lab[3][3],
                           PetscBool space);
 PetscReal TipCompression(const Tip *tip, const Place *at);

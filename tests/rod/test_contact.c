@@ -20,22 +20,20 @@ static PetscReal FeetOf(const char *options) {
   CHECK(RodInitialNodes(rod, t, nodes));
   for (PetscInt i = rod->first; i + 1 < rod->end; i++) {
     const Node *node = nodes + i - rod->first;
-    FootCell cell = {.h = scene->mesh.s[i + 1] - scene->mesh.s[i]};
-    Foot foot[MOST_FEET];
-    PetscInt n;
+    const FeetHeld none = {.first = NULL};
+    FootCell cell = {.dims = 2, .curve = {.h = scene->mesh.s[i + 1] - scene->mesh.s[i]}};
+    Feet feet;
     cell.first = (PetscBool)(i == 0);
     cell.last = (PetscBool)(i + 1 == rod->last);
-    CHECK(GrowthStretch(scene->growth, 2, &scene->mesh.s[i], t, cell.g, cell.g_t, NULL));
+    CHECK(GrowthStretch(scene->growth, 2, &scene->mesh.s[i], t, cell.curve.g, NULL, NULL));
     for (int e = 0; e < 2; e++) {
-      cell.q[e][0] = PetscCosReal(node[e].theta);
-      cell.q[e][1] = PetscSinReal(node[e].theta);
-      for (int d = 0; d < 2; d++) cell.x[e][d] = node[e].x[d];
+      cell.curve.q[e][0] = PetscCosReal(node[e].theta);
+      cell.curve.q[e][1] = PetscSinReal(node[e].theta);
+      for (int d = 0; d < 2; d++) cell.curve.x[e][d] = node[e].x[d];
     }
-    n = FeetFind(&scene->contact, &cell, scene->contact.smooth, foot);
-    for (PetscInt k = 0; k < n; k++) {
-      FootPush(&scene->contact, &cell, NULL, &foot[k]);
-      sum += foot[k].p;
-    }
+    FeetFind(&scene->contact, &cell, scene->contact.smooth, &feet);
+    FeetPush(&scene->contact, &cell, none, &feet);
+    for (PetscInt k = 0; k < feet.n; k++) sum += feet.foot[k].normal / feet.foot[k].strength;
   }
   CHECK(PetscFree(nodes));
   CHECK(RodDestroy(&rod));

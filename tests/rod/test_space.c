@@ -276,19 +276,18 @@ static void TestFootJacobians(void **state) {
 static void TestFoot(void **state) {
   const PetscReal phi = 0.5, r = 0.001, half = 0.01, mu = 0.4, deep = 2e-5, at = 0.043, h = 0.1,
                   spin = 60, weight[] = {1. / 6, 4. / 6, 1. / 6};
-  const FootCell3 cell = {.h = h,
-                          .g = {1, 1},
-                          .x = {{0}, {h}},
-                          .q = {{1}, {1}},
-                          .spin = {spin, spin},
-                          .c = {1, 1, 1},
-                          .weight = {weight[0], weight[1], weight[2]},
-                          .moves = PETSC_TRUE};
-  FootLoad3 load = {{0}};
+  const FeetHeld none = {.slots = NULL};
+  const FootCell cell = {
+      .dims = 3,
+      .curve = {.h = h, .g = {1, 1}, .x = {{0}, {h}}, .q = {{1}, {1}}, .c = {1, 1, 1}},
+      .spin = {spin, spin},
+      .weight = {weight[0], weight[1], weight[2]},
+      .moves = PETSC_TRUE};
+  FootLoad load = {{0}};
   PetscReal slope, p, u[2], size, f[3], couple, sum[6] = {0}, lever[3] = {0};
   char file[64], line[200];
   const Contact *contact;
-  Feet3 feet;
+  Feet feet;
   Scene scene;
   Rod rod;
   (void)snprintf(line, sizeof(line), "cylinder %g 0 %.17g %.17g %.17g 0 %g outside friction %g\n",
@@ -301,15 +300,15 @@ static void TestFoot(void **state) {
   CHECK(RodCreate(scene, &rod_space, &rod));
   CHECK(SceneContactAt(scene, 0));
   contact = &scene->contact;
-  FeetFind3(contact, &cell, contact->smooth, &feet);
+  FeetFind(contact, &cell, contact->smooth, &feet);
   EXPECT(feet.n == 1, "%d feet", (int)feet.n);
-  EXPECT(PetscAbsReal(feet.foot[0].z - at / h) < 1e-13, "at %g", feet.foot[0].z);
+  EXPECT(PetscAbsReal(feet.foot[0].on.z - at / h) < 1e-13, "at %g", feet.foot[0].on.z);
   EXPECT(PetscAbsReal(feet.touch[0].gap + deep) < 1e-15, "gap %g", feet.touch[0].gap);
   size = (r + half - deep) / PetscSqr(sin(phi)) + deep;
   EXPECT(PetscAbsReal(feet.foot[0].rho / size - 1) < 1e-12, "rho %g for %g", feet.foot[0].rho,
          size);
   EXPECT(feet.foot[0].strength == contact->tip, "strength %g", feet.foot[0].strength);
-  FeetPush3(contact, &cell, NULL, &feet);
+  FeetPush(contact, &cell, none, &feet);
   /* what touches is below the axis, r = -D/2 e3: it goes at (1, D/2 spin) */
   p = contact->tip * ContactPressure(contact, -deep, &slope);
   u[0] = 1;
@@ -319,7 +318,7 @@ static void TestFoot(void **state) {
   f[1] = -mu * p * u[1] / size;
   f[2] = p;
   couple = half * f[1];
-  FeetHandOut3(&cell, &feet, load);
+  FeetHandOut(&cell, &feet, load);
   for (int k = 0; k < 3; k++)
     for (int d = 0; d < 6; d++) sum[d] -= h * weight[k] * load[k][d];
   for (int k = 0; k < 3; k++)

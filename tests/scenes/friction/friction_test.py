@@ -8,7 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from references import against_reference, DECAY, expect_reference, REFERENCES, SMOOTH
-from scene import check, DRY, expect, Failure, lagrange, order, ROOT, Run, tip_in_space
+from scene import check, distance, DRY, expect, Failure, lagrange, order, ROOT, Run, tip_in_space
 
 import h5py
 import numpy as np
@@ -174,9 +174,9 @@ def lengths_too_short_for_the_cells_are_told():
     """Lengths that a scene gives: what cells are too long for is in the estimate, and said in a line."""
     layer = "-ts_max_time 3 -shape_amplitude 0.8 -friction_layers 0:1,1.1:0.34 -friction_layer_width 0.0054 "
     bell = "-growth_type apical -growth_initial_length 1 -rod_curvature_random 0.1 -ts_max_time 3 "
-    distance, s, t = np.unique(np.r_[np.linspace(0, 6, 60), np.linspace(0.37, 0.43, 61)]), np.linspace(0, 1, 41), np.linspace(0, 2, 9)
-    for name, table in (("notch", dict(distance=distance, factor=1 - 0.5 * np.exp(-((distance - 0.4) / 0.005)**2))),
-                        ("smooth", dict(distance=distance, factor=1 + 0.3 * np.sin(distance))),
+    behind, s, t = np.unique(np.r_[np.linspace(0, 6, 60), np.linspace(0.37, 0.43, 61)]), np.linspace(0, 1, 41), np.linspace(0, 2, 9)
+    for name, table in (("notch", dict(distance=behind, factor=1 - 0.5 * np.exp(-((behind - 0.4) / 0.005)**2))),
+                        ("smooth", dict(distance=behind, factor=1 + 0.3 * np.sin(behind))),
                         ("hook", dict(s=np.array([0, 0.2, 0.7, 0.9, 0.96, 0.98, 1]), curvature=np.array([0, 0, 0, 0, 0, 0.5, 0.5]))),
                         ("even", dict(s=np.linspace(0, 1, 500), curvature=np.sin(3 * np.linspace(0, 1, 500)))),
                         ("bulge", dict(s=s, t=t, g=1 + t[:, None] * np.exp(-((s - 0.5) / 0.03)**2)))):
