@@ -224,6 +224,20 @@ PetscBool RodFeelsSpin(const Rod rod) {
   return Any(rod, FeelsSpin);
 }
 
+/* RodSwapSlopes - friction along it, and at its tip, has these slopes from now on; out: those that
+   it had. */
+void RodSwapSlopes(Rod rod, FrictionNewton slope[2]) {
+  const FrictionNewton taken[2] = {slope[0], slope[1]};
+
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    Scene scene = rod->each[k]->scene;
+    slope[0] = scene->load.friction.newton;
+    slope[1] = scene->tip.resistance.friction.newton;
+    scene->load.friction.newton = taken[0];
+    scene->tip.resistance.friction.newton = taken[1];
+  }
+}
+
 /* Is no energy behind the equations? By friction on walls or strands, by that which is weaker
    across than along, or feels a spin; where material learns its natural curvature; and where it
    comes to rest: see stepping/leg.c. */

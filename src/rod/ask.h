@@ -39,6 +39,7 @@ PetscBool RodSticks(const Rod rod);
 PetscBool RodIsViscous(const Rod rod);
 PetscBool RodIsLimit(const Rod rod);
 PetscBool RodFeelsSpin(const Rod rod);
+void RodSwapSlopes(Rod rod, FrictionNewton slope[2]);
 PetscBool RodHasModes(const Rod rod);
 
 /* how it snaps */
