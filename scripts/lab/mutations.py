@@ -167,14 +167,17 @@ MUTATIONS = [
     # -- what moves as given in time
     ("comes and goes in a step", C, "if (self->next_end && !self->fixed)", "if (0)"),
     ("tables that turn back unseen", "base/turns.h", "if (behind != before) at[k]", "if (0) at[k]"),
-    ("the tip's path left out", "scene/scene.c", "next = SmallerOf(next, PathNextTurn(scene->tip.path, t));", ";"),
+    ("the tip's path left out", "scene/scene.c", "next = SmallerOf(next, TipNextTurn(&scene->tip, t));", ";"),
     ("sets out before it does", "base/schedule.c", " || (t == self->t[0] && t > 0)", ""),
     ("turns back between rows, unseen", "base/schedule.c", "self->value[i] * self->value[i + 1] < 0", "0"),
     ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
+    # -- what is changed in a run
+    ("errors followed in the scene of before", "tasks/grow_changes.c", "PetscCall(EstimateSceneChanged(self->estimate));", ";"),
+    ("looked up where it was", "scene/change.c", "PetscCall(SurfacesIndexAnew(surfaces));", ";"),
     # -- what is steered, or fed by a schedule
     ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
-    ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = at_t * slope;"),
-    ("steered along with what slides", "material/curvature.c", "if (k_t) *k_t = rate + at_t * slope;", "if (k_t) *k_t = rate;"),
+    ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t += rate + at_t * slope;", "if (k_t) *k_t += at_t * slope;"),
+    ("steered along with what slides", "material/curvature.c", "if (k_t) *k_t += rate + at_t * slope;", "if (k_t) *k_t += rate;"),
     ("steering costs nothing", "record/observe.c", "seen->wall_power + seen->curvature_power +", "seen->wall_power +"),
     ("slides in, but not out", "material/growth_path.c", "return (1 - s) * SpeedPath(self, s, t);",
      "return (1 - s) * PetscAbsReal(SpeedPath(self, s, t));"),

@@ -15,14 +15,21 @@ static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
-/* What laws have become by time t: the viscous share of friction, the stiffness of contact; and the
-   walls around the rod, for who draws it. */
+/* What was changed, and what laws have become by time t: the viscous share of friction, the
+   stiffness of contact; and the walls around the rod, for who draws it. */
 static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
   const Contact *contact = &self->scene->contact;
+  const Changes changes = self->scene->changes;
   SceneMemory laws;
   char *text;
 
   PetscFunctionBegin;
+  if (changes && changes->done) {
+    PetscCall(ChangesText(changes, &text));
+    PetscCall(HdfWriteText(file, "changes", text,
+                           "what was changed in the run: time, what, and its new value"));
+    PetscCall(PetscFree(text));
+  }
   SceneRemember(self->scene, &laws);
   if (laws.shared != 0) PetscCall(HdfReal(file, "/", "viscous_share", laws.shared));
   PetscCall(SceneContactAt(self->scene, t));

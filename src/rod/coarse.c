@@ -9,6 +9,16 @@ static void TakeSlopes(Scene coarse) {
   coarse->tip.resistance.friction.newton = NEWTON_PRIMAL;
 }
 
+/* What its scene has of its own. */
+static void MakeOwn(Scene own, PetscInt nodes, PetscReal *s, PetscBool meets) {
+  own->comm = PETSC_COMM_SELF;
+  TakeSlopes(own);
+  own->contact.self = (PetscBool)(own->contact.self && meets);
+  own->mesh.cells = nodes - 1;
+  own->mesh.s = s;
+  SceneLinkWalls(own);
+}
+
 /*
   RodCoarsen - a rod of the same scene with fewer nodes, on this rank alone. Not collective; the
   caller ends it with RodCoarseEnd(), before the rod.
@@ -17,18 +27,14 @@ static void TakeSlopes(Scene coarse) {
   meets          it meets itself, if the rod does
 */
 PetscErrorCode RodCoarsen(Rod rod, PetscInt nodes, PetscInt stride, PetscBool meets, Rod *coarse) {
-  const Scene scene = rod->scene;
   Scene own;
+  PetscReal *s;
 
   PetscFunctionBegin;
-  PetscCall(SceneShare(scene, &own));
-  own->comm = PETSC_COMM_SELF;
-  TakeSlopes(own);
-  own->contact.self = (PetscBool)(scene->contact.self && meets);
-  own->mesh.cells = nodes - 1;
-  PetscCall(PetscMalloc1(nodes, &own->mesh.s));
-  for (PetscInt k = 0; k < nodes; k++) own->mesh.s[k] = rod->s[PetscMin(k * stride, rod->last)];
-  SceneLinkWalls(own);
+  PetscCall(SceneShare(rod->scene, &own));
+  PetscCall(PetscMalloc1(nodes, &s));
+  for (PetscInt k = 0; k < nodes; k++) s[k] = rod->s[PetscMin(k * stride, rod->last)];
+  MakeOwn(own, nodes, s, meets);
   PetscCall(RodCreate(own, rod->model, coarse));
   PetscFunctionReturn(0);
 }
@@ -44,6 +50,17 @@ PetscErrorCode RodCoarseEnd(Rod *coarse) {
   PetscCall(PetscFree(scene->mesh.s));
   PetscCall(SceneShareEnd(&scene));
   PetscFunctionReturn(0);
+}
+
+/* RodCoarseTake - the rod's scene has been changed in the run: that of the coarse one is as it is
+   now. */
+void RodCoarseTake(Rod coarse, Rod rod, PetscBool meets) {
+  Scene own = coarse->scene;
+  PetscReal *const s = own->mesh.s;
+
+  *own = *rod->scene;
+  MakeOwn(own, coarse->last + 1, s, meets);
+  own->contact.time = PETSC_MIN_REAL;
 }
 
 /* RodCoarseFollow - its laws are what those of the rod have become: a snap may change friction, and

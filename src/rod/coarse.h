@@ -10,6 +10,7 @@ typedef enum { COARSE_BETA, COARSE_STIFFNESS } CoarseNumber;
 
 PetscErrorCode RodCoarsen(Rod rod, PetscInt nodes, PetscInt stride, PetscBool meets, Rod *coarse);
 PetscErrorCode RodCoarseEnd(Rod *coarse);
+void RodCoarseTake(Rod coarse, Rod rod, PetscBool meets);
 void RodCoarseFollow(Rod coarse, Rod rod);
 PetscReal RodCoarseSet(Rod coarse, CoarseNumber number, PetscReal value);
 PetscReal RodCoarseGet(const Rod coarse, CoarseNumber number);

@@ -11,7 +11,10 @@ static const OptionRow rows[] = {
     ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
-    ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run")};
+    ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run"),
+    ROW_TEXT("-change_file", INPUT_FILE,
+             "text file of what changes in the run, one a line: the time, what, and its new value, "
+             "as in 2.5 tip_force 0.2 (docs/live.md)")};
 const OptionGroup scene_options = OPTION_GROUP("Rod and clamp", rows);
 
 /* SceneShapeAngle - the initial angle against the clamp and its derivative by s, at one label. A
@@ -74,13 +77,13 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   const Growth growth = scene->growth;
   PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
 
-  if (scene->tip.path) next = SmallerOf(next, PathNextTurn(scene->tip.path, t));
+  next = SmallerOf(next, TipNextTurn(&scene->tip, t));
   if (scene->space.clamp_path) next = SmallerOf(next, ScheduleNextTurn(scene->space.clamp_path, t));
   if (scene->load.field) next = SmallerOf(next, FieldNextTurn(scene->load.field, t));
   if (scene->tip.resistance.field)
     next = SmallerOf(next, FieldNextTurn(scene->tip.resistance.field, t));
   if (growth->next_turn) next = SmallerOf(next, growth->next_turn(growth, t));
-  if (scene->curvature.steered) next = SmallerOf(next, CurvatureNextTurn(&scene->curvature, t));
+  next = SmallerOf(next, CurvatureNextTurn(&scene->curvature, t));
   return next;
 }
 
@@ -143,7 +146,7 @@ void SceneAtSpeed(Scene scene, PetscReal speed) {
 
 const char *const scene_memory_name[] = {"falls", "shared", "firm", "spun", "spins_from"};
 
-/* SceneRemember - for a restart: what laws have become. */
+/* SceneRemember - for a restart: what laws have become, but by changes, which are done again. */
 void SceneRemember(Scene scene, SceneMemory *memory) {
   const Load *load = &scene->load;
   const Contact *contact = &scene->contact;
@@ -153,7 +156,7 @@ void SceneRemember(Scene scene, SceneMemory *memory) {
                           .firm = contact->firm      ? 1
                                   : contact->deepest ? 0
                                                      : -1};
-  if (scene->space.spins_from > 0) {
+  if (scene->space.spins_from > 0 && !(scene->changes && scene->changes->done)) {
     memory->spun = scene->space.spun;
     memory->spins_from = scene->space.spins_from;
   }
@@ -307,6 +310,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(SceneForce(self, &self->contact.usual));
   PetscCall(SceneContactAt(self, 0));
   ContactStandOff(&self->contact, &self->stands_off);
+  PetscCall(ChangesRead(&self->changes));
   PetscFunctionReturn(0);
 }
 
@@ -402,6 +406,7 @@ PetscErrorCode SceneDestroy(Scene *scene) {
   PetscCall(GrowthDestroy(&(*scene)->growth));
   PetscCall(MeshDestroy(&(*scene)->mesh));
   PetscCall(ShapeDestroy(&(*scene)->shape));
+  PetscCall(ChangesDestroy(&(*scene)->changes));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(0);
 }

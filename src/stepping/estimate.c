@@ -146,6 +146,14 @@ static PetscErrorCode CreateCoarse(Estimate self) {
   PetscFunctionReturn(0);
 }
 
+/* EstimateSceneChanged - the scene has been changed in the run: errors are followed on in what it
+   is now. self NULL: none are. */
+PetscErrorCode EstimateSceneChanged(Estimate self) {
+  PetscFunctionBegin;
+  if (self && self->rod) RodCoarseTake(self->rod, self->leg->rod, self->touches);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscFunctionBegin;
   PetscCall(VecDestroy(&self->U));

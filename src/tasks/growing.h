@@ -105,6 +105,10 @@ PetscReal GrowBaseForce(const Observation *seen);
 PetscErrorCode GrowEnd(Grow *self, PetscBool finished);
 PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
 
+/* grow_changes.c */
+PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);
+PetscErrorCode GrowStepOn(Grow *self, PetscReal until);
+
 /* grow_errors.c */
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
 PetscBool GrowFollowsErrors(const Grow *self);
