@@ -278,21 +278,22 @@ PetscErrorCode OutputSeries(Output self, const Observation *seen) {
   PetscFunctionReturn(0);
 }
 
-/* The force of contact per length about node i, from that at nodes and between them: what nodes
-   have, times half of the lengths of their cells, adds up to what there is. (Where contact is
-   stiff, that at the node itself may be far from that beside it.) */
-static PetscErrorCode ContactAbout(Output self, PetscReal t, PetscInt i, PetscReal g,
-                                   const PetscReal (*contact)[PUSH], PetscReal about[3]) {
-  const PetscReal *s = self->s;
+/* OutputContactAbout - the force of contact per length about node i, from that at nodes and between
+   them: what nodes have, times half of the lengths of their cells, adds up to what there is. (Where
+   contact is stiff, that at the node itself may be far from that beside it.) */
+PetscErrorCode OutputContactAbout(Scene scene, PetscReal t, PetscInt i, PetscReal g,
+                                  const PetscReal (*contact)[PUSH], PetscReal about[3]) {
+  PetscInt nodes;
+  const PetscReal *s = SceneLabels(scene, &nodes);
   PetscReal length = 0, h, z, g_mid;
 
   PetscFunctionBegin;
   about[0] = about[1] = about[2] = 0;
   for (PetscInt side = -1; side <= 1; side += 2) {
-    if (i + side < 0 || i + side >= self->nodes) continue;
+    if (i + side < 0 || i + side >= nodes) continue;
     h = PetscAbsReal(s[i + side] - s[i]);
     z = (s[i + side] + s[i]) / 2;
-    PetscCall(SceneStretch(self->scene, z, t, &g_mid));
+    PetscCall(SceneStretch(scene, z, t, &g_mid));
     length += h / 2 * g;
     for (int d = 0; d < 3; d++)
       about[d] += h / 6 * (g * contact[2 * i][d] + 2 * g_mid * contact[2 * i + side][d]);
@@ -322,7 +323,7 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
   self->shapes_room = room;
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(LabNodeAt(self->scene, t, self->s[i], &nodes[i], &node));
-    if (contact) PetscCall(ContactAbout(self, t, i, node.stretch, contact, about));
+    if (contact) PetscCall(OutputContactAbout(self->scene, t, i, node.stretch, contact, about));
     if (contact) SceneToLab(self->scene, about, node.contact);
     for (int set = 0; set < self->sets; set++)
       for (PetscInt d = 0; d < self->set[set].components; d++)

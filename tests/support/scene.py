@@ -63,6 +63,7 @@ class Run:
         self.said = done.stdout
         with h5py.File(file) as f:
             self.estimate = f.attrs.get("error_estimate")  # over the run
+            self.firm = f.attrs.get("contact_firm", 1)  # how many times firmer contact has become at the end
             self.told = {k[6:]: f.attrs[k] for k in f.attrs if k.startswith("error_")}
             self.rigid = {k[6:]: f.attrs[k] for k in f.attrs if k.startswith("rigid_")}
             expect(f.attrs["finished"] == 1, f"{options}: not finished")
@@ -103,6 +104,16 @@ def lagrange(times, values):
     return sum(values[i] * np.prod([times[j] / (times[j] - times[i])
                                     for j in range(len(times)) if j != i])
                for i in range(len(times)))
+
+
+def errors(options, cells, fine):
+    """Of tip, norm and energy at the end, for each number of cells, against a finer run."""
+    result = {"tip_x2": [], "norm_x2": [], "energy": []}
+    for n in cells:
+        r = Run(f"{options} -rod_cells {n}")
+        for k in result:
+            result[k].append(abs(r.series[k][-1] / fine.series[k][-1] - 1))
+    return result
 
 
 def order(errors, halvings=1):

@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from references import SAG, bowl, expect_references, field, stiffness
-from scene import Run, broken, check, distance, expect, file, order, tendril
+from scene import Run, broken, check, distance, errors, expect, file, order, tendril
 
 import h5py
 import numpy as np
@@ -406,7 +406,7 @@ SMOOTH = ("-ts_bdf_factor 0 -friction_beta 0.05 -ts_max_time 1 -ts_bdf_order 2 -
 
 def expect_order(what, options, more, cells, should, high, fine):
     """Of tip, norm and energy together; all take the same steps, whose error is shared."""
-    e = np.sum(list(scene.errors(options + more, cells, fine).values()), axis=0)
+    e = np.sum(list(errors(options + more, cells, fine).values()), axis=0)
     print(f"{what} {more}: errors {e[0]:.1e} {e[1]:.1e}, order {order(e):.2f}")
     expect(should - 0.3 < order(e) < high, f"{what} {more}: order {order(e):.2f}, {e}")
 
