@@ -173,8 +173,8 @@ PetscErrorCode SceneRecall(Scene scene, const SceneMemory *memory) {
     scene->space.spins_from = memory->spins_from;
   }
   if (memory->shared != 0) LoadShare(&scene->load, memory->shared);
-  if (!contact->told && memory->firm < 0) PetscCall(ContactStaysSoft(contact));
-  if (!contact->told) contact->firm = (PetscBool)(memory->firm > 0);
+  if (!contact->chosen && memory->firm < 0) PetscCall(ContactStaysSoft(contact));
+  if (!contact->chosen) contact->firm = (PetscBool)(memory->firm > 0);
   contact->time = PETSC_MIN_REAL; /* its law may follow from the cells */
   PetscFunctionReturn(0);
 }
