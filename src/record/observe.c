@@ -27,12 +27,14 @@ PetscInt ObservedOf(Scene scene) {
 
 /* ObservedIn - is a series one of a scene? Of a rod that weighs nothing there is no weight. */
 PetscBool ObservedIn(Scene scene, PetscInt observed) {
+  const PetscBool weighs = scene->load.weighs;
+
   if (observed >= ObservedOf(scene)) return PETSC_FALSE;
   if (observed < OBSERVED_ALWAYS || observed >= OBSERVED_STEERED) return PETSC_TRUE;
   if (observed >= OBSERVED_IN_SPACE) return scene->curvature.steered;
   if (!scene->space.rod)
-    return (PetscBool)(scene->load.weighs && observed < OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT);
-  return (PetscBool)(scene->load.weighs || strncmp(observed_name[observed], "weight_force", 12));
+    return (PetscBool)(weighs && observed < OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT);
+  return (PetscBool)(weighs || strncmp(observed_name[observed], "weight_force", 12));
 }
 
 struct _Observer {

@@ -164,14 +164,16 @@ static PetscErrorCode Again(Scene scene, const char *lines, const ChangeRow *row
   the options have it already. After all that follows from the scene as the run began. Collective.
 */
 PetscErrorCode RestartChange(const char *file, Scene scene) {
+  Changes changes;
   char *lines;
 
   PetscFunctionBegin;
   PetscCall(ChangesTake(file, &scene->changes));
+  changes = scene->changes;
   PetscCall(HdfReadText("-restart", file, "options", &lines));
-  for (PetscInt k = 0; scene->changes && k < scene->changes->done; k++)
-    if (strcmp(scene->changes->row[k].what, "ts_max_time") != 0)
-      PetscCall(Again(scene, lines, &scene->changes->row[k]));
+  for (PetscInt k = 0; changes && k < changes->done; k++)
+    if (strcmp(changes->row[k].what, "ts_max_time") != 0)
+      PetscCall(Again(scene, lines, &changes->row[k]));
   PetscCall(PetscFree(lines));
   PetscCall(CheckLength(file, scene, scene->comm));
   PetscFunctionReturn(0);
