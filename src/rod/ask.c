@@ -269,15 +269,6 @@ void RodAtSpeed(Rod rod, PetscReal speed) {
 
 /* ---- what drives it ---- */
 
-static PetscBool Slides(const struct _Scene *scene) {
-  return scene->growth->slides;
-}
-
-/* RodSlides - does material slide past labels? */
-PetscBool RodSlides(const Rod rod) {
-  return Any(rod, Slides);
-}
-
 /* RodSteered - how large what steers the rod, a natural curvature that changes, may make a field;
    0: nothing does. */
 PetscReal RodSteered(const Rod rod, PetscInt field) {

@@ -47,7 +47,6 @@ PetscReal RodFalls(const Rod rod);
 void RodAtSpeed(Rod rod, PetscReal speed);
 
 /* what drives it */
-PetscBool RodSlides(const Rod rod);
 PetscReal RodSteered(const Rod rod, PetscInt field);
 PetscReal RodSteeredTo(const Rod rod);
 PetscReal RodRounding(const Rod rod, PetscReal length);
