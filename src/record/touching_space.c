@@ -108,14 +108,15 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
                               PetscBool moves, PetscInt likely, const SampleLaw law[],
                               PetscReal (*force)[PUSH], TouchSum *sum) {
   const PetscReal round_off = 1e-9, *s = scene->mesh.s;
+  const Contact *contact = &scene->contact;
   const PetscInt cells = scene->mesh.cells;
   PetscBool before = PETSC_FALSE;
   Sample3 a, b, mid;
   PetscReal bound = sum->nearest;
 
   PetscFunctionBegin;
-  if (bound > scene->contact.smooth) {
-    bound = ContactGap3(&scene->contact, nodes[likely].x3, bound);
+  if (bound > contact->smooth) {
+    bound = ContactGap3(contact, nodes[likely].x3, bound);
     if (bound < sum->nearest) bound += round_off * PetscAbsReal(bound);
   }
   for (PetscInt i = 0; i <= cells; i++) {
@@ -127,18 +128,18 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
     SampleFill3(scene, t, &law[2 * i], &b);
     spot = SpotOf(&b, s[i], (ahead + behind) / 6, moves);
     spot.tip = (PetscBool)(i == cells && scene->tip.type == TIP_FREE);
-    touches = Walls3(&scene->contact, &spot, bound, force[2 * i], sum);
+    touches = Walls3(contact, &spot, bound, force[2 * i], sum);
     if (i) { /* the middle of the cell before it follows from both its ends */
       const PetscReal(*feet)[FOOT_LOAD] = NULL;
       PetscBool between, at_feet = PETSC_FALSE;
       FootCell cell;
-      if (scene->contact.thin) {
+      if (contact->thin) {
         FeetsCell(scene, t, i - 1, moves, &a, &b, &cell);
         PetscCall(TouchingCell(self, i - 1, &cell, sum, &at_feet, &feet));
       }
       PetscCall(SampleMid3(scene, s[i - 1], s[i], t, &law[2 * i - 1], &a, &b, feet, &mid));
       spot = SpotOf(&mid, (s[i - 1] + s[i]) / 2, 4 * ahead / 6, moves);
-      between = Walls3(&scene->contact, &spot, bound, force[2 * i - 1], sum);
+      between = Walls3(contact, &spot, bound, force[2 * i - 1], sum);
       between = (PetscBool)(between || at_feet);
       sum->zones += between && !before;
       before = between;
