@@ -164,7 +164,8 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
                             const Node node[], const SampleLaw law[], const PetscReal (*push)[PUSH],
                             const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],
                             Observation *seen) {
-  const PetscReal *s = scene->mesh.s;
+  PetscInt nodes;
+  const PetscReal *s = SceneLabels(scene, &nodes);
   Sample3 a, b, mid;
 
   PetscFunctionBegin;
@@ -187,6 +188,6 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
     seen->link += TurnedBetween(&a.node, &b.node);
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle3((0.5 - s[i]) / h, &a, &mid, &b, seen);
   }
-  if (end == scene->mesh.cells) MeasureTip3(scene, &b, contact, seen);
+  if (end == nodes - 1) MeasureTip3(scene, &b, contact, seen);
   PetscFunctionReturn(0);
 }

@@ -5,7 +5,8 @@
 
 /* SampleLaws - what the laws give at nodes from first to end, and between them. */
 PetscErrorCode SampleLaws(Scene scene, PetscReal t, PetscInt first, PetscInt end, SampleLaw law[]) {
-  const PetscReal *mesh = scene->mesh.s;
+  PetscInt nodes;
+  const PetscReal *mesh = SceneLabels(scene, &nodes);
 
   PetscFunctionBegin;
   for (PetscInt k = 2 * first; k <= 2 * end; k++, law++) {

@@ -67,14 +67,15 @@ static Spot3 SpotOf(const Sample3 *sample, PetscReal s, PetscReal weight, PetscB
 /* The cell between two nodes, for its feet; t: the time. */
 static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, const Sample3 *a,
                       const Sample3 *b, FootCell *cell) {
-  const PetscReal *s = scene->mesh.s;
+  PetscInt nodes;
+  const PetscReal *s = SceneLabels(scene, &nodes);
   const Sample3 *end[2] = {a, b};
   CurveCell *curve = &cell->curve;
 
   *cell = (FootCell){.dims = 3, .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};
   curve->h = s[i + 1] - s[i];
   cell->first = (PetscBool)(i == 0);
-  cell->last = (PetscBool)(i == scene->mesh.cells - 1);
+  cell->last = (PetscBool)(i == nodes - 2);
   for (int k = 0; k < FOOT_PARTS; k++)
     curve->c[k] = GrowthSlide(scene->growth, (s[i + k / 2] + s[i + (k + 1) / 2]) / 2, t);
   for (int e = 0; e < 2; e++) {
@@ -107,9 +108,10 @@ static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, con
 PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Node *nodes,
                               PetscBool moves, PetscInt likely, const SampleLaw law[],
                               PetscReal (*force)[PUSH], TouchSum *sum) {
-  const PetscReal round_off = 1e-9, *s = scene->mesh.s;
+  PetscInt all;
+  const PetscReal round_off = 1e-9, *s = SceneLabels(scene, &all);
   const Contact *contact = &scene->contact;
-  const PetscInt cells = scene->mesh.cells;
+  const PetscInt cells = all - 1;
   PetscBool before = PETSC_FALSE;
   Sample3 a, b, mid;
   PetscReal bound = sum->nearest;
