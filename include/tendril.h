@@ -54,6 +54,7 @@ typedef struct {
   double curvature[3]; /* twist about d1, bends about d2 and d3, natural ones included */
   double moment[3];    /* internal moment m */
   double force[3];     /* internal force n */
+  double contact[3];   /* force of contact on the rod per length, without friction */
 } TendrilNode;
 
 /* Where a law of one's own is asked for. */
@@ -92,11 +93,9 @@ TENDRIL_API void TendrilDestroy(Tendril *simulation);
   TendrilSet - an option, with or without its dash: "friction_mu", "0.5". "options_file" takes the
   options of a scene's file, one after the other; a later one wins. value NULL: true.
 
-  Once the simulation is set up only what can change in a run is taken, from the present time on:
-
-    clamp_spin, tip_force, tip_torque, tip_force_vector, rod_weight, friction_mu, ts_max_time
-
-  (docs/library.md says when). Anything else is refused.
+  Once the simulation is set up only what can change in a run is taken, from the present time on, as
+  docs/live.md lists it: tip_force, feed_speed, friction_factor, wall_to ... Anything else is
+  refused.
 */
 TENDRIL_API int TendrilSet(Tendril simulation, const char *option, const char *value);
 

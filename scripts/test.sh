@@ -7,7 +7,7 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 scripts/setup.sh tests
-.venv/bin/python -c "import vtkmodules, nbclient, ipykernel, trimesh" 2>/dev/null ||
+.venv/bin/python -c "import vtkmodules, nbclient, ipykernel, trimesh, websockets" 2>/dev/null ||
   .venv/bin/python -m pip install --disable-pip-version-check -q -r tests/requirements.txt ||
   echo "test: tests/requirements.txt cannot be had: the test of ParaView will be left out"
 echo "test: building build-test/"

@@ -17,6 +17,7 @@ import tempfile
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.linalg import eig
+from scipy.optimize import brentq
 
 from fuzz import Draw, write
 
@@ -172,23 +173,28 @@ def windows(draw, files):
     return o, rod, np.unique(np.clip(np.concatenate([np.linspace(0, search, 2001), bump.looks()]), 0, search)), bump
 
 
-def pressed(rod, t, x):
-    """phi, V and the compression at the parts x of the rod's length at the times t."""
-    L, L_t = rod["length"](t), rod["length"](t, 1)
+def known(rod, t):
+    """Length, its rate, friction and the tip's force at times."""
+    return rod["length"](t), rod["length"](t, 1), rod["N"](t), rod["force"](t)
+
+
+def pressed(rod, at, x):
+    """phi, V and the compression at the parts x of the rod's length, at times of which that is known."""
+    L, L_t, N, force = at
     V = x * L_t
     phi = 1 - rod["mu"] + rod["mu"] / np.sqrt(V ** 2 + rod["beta"])
     r = np.sqrt(L_t ** 2 + rod["beta"])
     G = lambda V: (1 - rod["mu"]) * V ** 2 / 2 + rod["mu"] * np.sqrt(V ** 2 + rod["beta"])  # of phi V
     with np.errstate(invalid="ignore", divide="ignore"):
         between = np.where(np.abs(L_t) > 1e-12, (G(L_t) - G(V)) / L_t, 0)
-    return phi * rod["N"](t), V, rod["force"](t) * L_t / r + L * rod["N"](t) * between
+    return phi * N, V, force * L_t / r + L * N * between
 
 
 def by_angle(rod, t):
     """Below 0 while a rod that is alike in all directions is stable: u'' + P u = 0 from the tip, where u' = 0, with
     u = r cos(a), u' = - r sin(a); it is critical once a is pi/2 at the clamp."""
-    steps, a, L = 400, np.zeros_like(t), rod["length"](t)
-    slope = lambda a, x: L * (np.sin(a) ** 2 + pressed(rod, t, x)[2] * np.cos(a) ** 2)
+    steps, a, at = 400, np.zeros_like(t), known(rod, t)
+    slope = lambda a, x: at[0] * (np.sin(a) ** 2 + pressed(rod, at, x)[2] * np.cos(a) ** 2)
     h = 1 / steps
     for k in range(steps):
         x = 1 - k * h
@@ -208,11 +214,12 @@ def by_elements(rod, t, cells=24):
     y2 = np.array([12 * z - 6, 6 * z - 4, 6 - 12 * z, 6 * z - 2])
     worst = np.empty_like(t)
     for i, now in enumerate(t):
+        times = known(rod, np.full(4, now))
         L = float(rod["length"](now))
         h, n = L / cells, 2 * cells + 2
         K, D = np.zeros((n, n)), np.zeros((n, n))
         for c in range(cells):
-            drag, V, P = pressed(rod, np.full(4, now), (c + z) / cells)
+            drag, V, P = pressed(rod, times, (c + z) / cells)
             at = np.ix_(range(2 * c, 2 * c + 4), range(2 * c, 2 * c + 4))
             K[at] += (-(y2 * w) @ y2.T / h ** 3 + (y1 * w * P) @ y1.T / h - (1 - rod["a"]) * (y * w * drag * V) @ y1.T)
             D[at] += h * rod["a"] * (y * w * drag) @ y.T
@@ -229,11 +236,9 @@ def truth(rod, looks):
     first = np.argmax(f >= 0)
     if f[first] < 0:
         return None, f.max()
-    a, b = looks[max(first - 1, 0)], looks[first]
-    for _ in range(45):
-        mid = (a + b) / 2
-        a, b = (a, mid) if level(rod, np.array([mid]))[0] >= 0 else (mid, b)
-    return b, f.max()
+    if first == 0:
+        return looks[0], f.max()
+    return brentq(lambda t: level(rod, np.array([t]))[0], looks[first - 1], looks[first], xtol=1e-14, rtol=1e-15), f.max()
 
 
 def look_for_windows(exe, seed, count):

@@ -11,7 +11,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command",
             "measure": "filming",
             "map": "maps", "ensemble": "ensembles", "growth_table": "growth_table", "export": "exports",
-            "stability": "plot_stability", "surface": "surfaces"}
+            "stability": "plot_stability", "surface": "surfaces", "live": "live_server"}
 
 
 def main(words=None):

@@ -37,7 +37,9 @@ from .runs import CHECKOUT, executable, scene_words, text_of, words_of
 
 OK, ENDED, WATCH, USER, RUN, LAW, PETSC = range(7)  # what calls return, as tendril.h has it
 NODE = np.dtype([("s", float), ("stretch", float), ("theta", float), ("x", float, 3), ("v", float, 3),
-                 ("d", float, (3, 3)), ("curvature", float, 3), ("moment", float, 3), ("force", float, 3)])
+                 ("d", float, (3, 3)), ("curvature", float, 3), ("moment", float, 3), ("force", float, 3),
+                 ("contact", float, 3)])
+BY_WORDS = ("wall_friction", "wall_to", "wall_at", "curvature_to", "curvature_2_to", "twist_to", "tip_to", "tip_turn_to")
 VALUES = {"friction": 2, "growth": 5, "curvature": 6}  # of a law
 LOCK = threading.RLock()  # PETSc is in one call at a time
 
@@ -267,10 +269,15 @@ class Simulation:
             self._nodes = self._seen = None
 
     def set(self, option, value):
-        """Changes an option from the present time on. What can be changed: clamp_spin, tip_force, tip_torque,
-        tip_force_vector, rod_weight, friction_mu, ts_max_time."""
+        """Changes something from the present time on; docs/library.md lists what. A value of several words is
+        text, or a list: sim.set("wall_to", [1, sim.t + 0.5, 0, 0.6])."""
         self._nodes = None
-        self._call("TendrilSet", str(option).encode(), text_of(value).encode())
+        if str(option).lstrip("-") in BY_WORDS:
+            words = value.split() if isinstance(value, str) else [text_of(one) for one in np.atleast_1d(value).tolist()]
+            text = " ".join(words)
+        else:
+            text = text_of(value)
+        self._call("TendrilSet", str(option).encode(), text.encode())
 
     def save(self, file, t=None):
         """Writes a result file: of the run so far, or up to an earlier time at which a shape was stored."""

@@ -470,6 +470,24 @@ PetscErrorCode OptionText(const char *name, char value[PETSC_MAX_PATH_LEN], Pets
   PetscFunctionReturn(0);
 }
 
+/* OptionPut - gives an option another value, also for the record; "": none. */
+PetscErrorCode OptionPut(const char *name, const char *value) {
+  const OptionRow *row = OptionFind(name);
+  char text[PETSC_MAX_PATH_LEN];
+  PetscReal real;
+
+  PetscFunctionBegin;
+  if (value[0])
+    PetscCall(PetscOptionsSetValue(NULL, name, value));
+  else
+    PetscCall(PetscOptionsClearValue(NULL, name));
+  if (row && row->kind == KIND_REAL)
+    PetscCall(OptionReal(name, &real, NULL));
+  else if (row && row->kind == KIND_TEXT && value[0])
+    PetscCall(OptionText(name, text, NULL));
+  PetscFunctionReturn(0);
+}
+
 /* OptionQuantity - the number in a part of an option's text, with its unit if it has one. */
 PetscErrorCode OptionQuantity(const char *option, const char *text, Dimension dimension,
                               PetscReal *value) {

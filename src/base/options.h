@@ -115,6 +115,7 @@ PetscErrorCode OptionInt(const char *name, PetscInt *value, PetscBool *set);
 PetscErrorCode OptionBool(const char *name, PetscBool *value, PetscBool *set);
 PetscErrorCode OptionWord(const char *name, PetscInt *choice, PetscBool *set);
 PetscErrorCode OptionText(const char *name, char value[PETSC_MAX_PATH_LEN], PetscBool *set);
+PetscErrorCode OptionPut(const char *name, const char *value);
 PetscErrorCode OptionQuantity(const char *option, const char *text, Dimension dimension,
                               PetscReal *value);
 PetscErrorCode OptionTakeOffUnit(const OptionRow *row);

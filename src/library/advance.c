@@ -5,7 +5,7 @@
    was: its series are then those of that run. What was changed on the way cannot be done again. */
 static PetscErrorCode Again(Tendril self) {
   PetscFunctionBegin;
-  UserCheck(!self->changes, self->comm,
+  UserCheck(!self->scene->changes || !self->scene->changes->done, self->comm,
             "no way is found in contact that gets firmer where the rod is pressed in, and what was "
             "changed in the run keeps it from beginning anew: give -contact_stiffness");
   PetscCall(GrowAnew(self->grow));
@@ -40,7 +40,7 @@ static PetscErrorCode Move(Tendril self, PetscReal until) {
 
   PetscFunctionBegin;
   while (!grow->over && grow->seen.t <= before) {
-    PetscCall(GrowStep(grow, until));
+    PetscCall(GrowStepOn(grow, until));
     if (grow->waits) break;
   }
   if (grow->over && !self->ended && !self->failed) PetscCall(Finish(self));

@@ -145,7 +145,9 @@ int TendrilSeries(Tendril self, const char *name, int *n, const double **values)
                           name ? name : "NULL");
 }
 
-static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes, int *n) {
+/* contact: at nodes and between them, in the clamp's frame; NULL: there is none. */
+static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes,
+                                const PetscReal (*contact)[PUSH], int *n) {
   const Scene scene = self->scene;
   const PetscInt all = scene->mesh.cells + 1;
 
@@ -157,6 +159,7 @@ static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes, in
     LabNode lab;
     PetscCall(LabNodeAt(scene, t, scene->mesh.s[i], &nodes[i], &lab));
     *to = (TendrilNode){.s = scene->mesh.s[i], .stretch = lab.stretch, .theta = lab.theta};
+    if (contact) SceneToLab(scene, contact[2 * i], to->contact);
     for (int k = 0; k < 3; k++) {
       to->x[k] = lab.x[k];
       to->v[k] = lab.v[k];
@@ -171,6 +174,8 @@ static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes, in
 }
 
 static PetscErrorCode GatherNodes(Tendril self, int *n) {
+  const PetscReal law = self->scene->contact.time;
+  const PetscReal(*contact)[PUSH] = NULL;
   Grow *grow = self->grow;
   const Node *nodes;
   Vec V[2], U, U_t;
@@ -178,7 +183,9 @@ static PetscErrorCode GatherNodes(Tendril self, int *n) {
   PetscFunctionBegin;
   PetscCall(State(self, V, &U, &U_t));
   PetscCall(ObserverGather(grow->observer, grow->now->rod, self->at, U, U_t, &nodes));
-  if (nodes) PetscCall(TakeNodes(self, self->at, nodes, n));
+  if (nodes) PetscCall(ObserverContact(grow->observer, self->at, nodes, &contact));
+  if (nodes) PetscCall(TakeNodes(self, self->at, nodes, contact, n));
+  if (law > PETSC_MIN_REAL) PetscCall(SceneContactAt(self->scene, law));
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
   PetscFunctionReturn(0);
 }

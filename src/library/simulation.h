@@ -31,7 +31,6 @@ struct Tendril_ {
   PetscBool ended, failed, lost; /* the run: is at its end; gave up; a call has left it half-way */
   char failure[1024];            /* why it gave up */
   PetscReal at; /* the present time, if a step beyond it waits: else the step's end */
-  int changes;  /* how many there were in the run */
   Columns series;
   Observation here; /* at that time */
   TendrilNode *node;

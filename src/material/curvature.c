@@ -304,7 +304,7 @@ static void Steered(const Strain *self, PetscReal at, PetscReal at_t, PetscReal 
 
   ActuationValue(self->steered, at, t, &value, &slope, &rate);
   *k += value;
-  if (k_t) *k_t = rate + at_t * slope;
+  if (k_t) *k_t += rate + at_t * slope;
 }
 
 /* One natural strain there, and its rate for the material (may be NULL). */
@@ -314,8 +314,8 @@ static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t,
   PetscReal weight[4], slope[4];
   PetscInt i;
 
-  *k = self->constant;
-  if (k_t) *k_t = 0;
+  *k = self->lead.on ? LeadValue(&self->lead, t) : self->constant;
+  if (k_t) *k_t = self->lead.on ? LeadRate(&self->lead, t) : 0;
   if (!self->n) return;
   if (self->steered) {
     Steered(self, at, at_t, t, k, k_t);
@@ -366,11 +366,23 @@ PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s,
   PetscFunctionReturn(0);
 }
 
+/* CurvatureLeadTo - the constant part of a strain is led on, from what it is at t and at its rate
+   there, to k by the time `by`. */
+void CurvatureLeadTo(Curvature *self, int strain, PetscReal t, PetscReal by, PetscReal k) {
+  Lead *lead = &self->strain[strain].lead;
+
+  LeadTo(lead, t, lead->on ? LeadValue(lead, t) : self->strain[strain].constant,
+         lead->on ? LeadRate(lead, t) : 0, by, k);
+  self->any = PETSC_TRUE;
+  self->space = (PetscBool)(self->space || strain != BEND_3);
+}
+
 /* CurvatureNextTurn - the first time behind t at which one that is steered kinks, sets out, rests
    or turns back; PETSC_MAX_REAL if there is none. */
 PetscReal CurvatureNextTurn(const Curvature *self, PetscReal t) {
   PetscReal next = PETSC_MAX_REAL;
 
+  for (int k = 0; k < STRAINS; k++) next = PetscMin(next, LeadNextTurn(&self->strain[k].lead, t));
   for (int k = 0; k < STRAINS && self->steered; k++)
     if (self->strain[k].steered)
       next = PetscMin(next, ActuationNextTurn(self->strain[k].steered, t));
@@ -398,6 +410,10 @@ PetscErrorCode CurvatureBendsInTime(const Curvature *self, PetscReal tolerance, 
 PetscReal CurvatureLargest(const Curvature *self, int e) {
   const Strain *strain = &self->strain[e];
   PetscReal most = PetscMax(PetscAbsReal(strain->constant), self->most[e]);
+
+  if (strain->lead.on)
+    most =
+        PetscMax(most, PetscMax(PetscAbsReal(strain->lead.x[0]), PetscAbsReal(strain->lead.x[1])));
 
   if (strain->steered) return PetscMax(most, ActuationLargest(strain->steered));
   for (PetscInt i = 0; i < strain->n; i++) most = PetscMax(most, PetscAbsReal(strain->k[i]));

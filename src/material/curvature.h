@@ -6,12 +6,14 @@
 
 #include "material/actuation.h"
 #include "material/growth.h"
+#include "base/lead.h"
 
 enum { BEND_3, BEND_2, TURN_1, STRAINS };
 
 /* One of the three. */
 typedef struct {
   PetscReal constant;     /* the part of -rod_curvature, -rod_curvature_2, -rod_twist */
+  Lead lead;              /* in the place of that, as a run has changed it; not on: it has not */
   PetscInt n;             /* knots of the other part (file or random); 0: none */
   PetscReal *at, *k, *k2; /* their places, curvatures and second derivatives */
   Actuation steered;      /* the other part over time, in place of k and k2; NULL: it stays */
@@ -32,6 +34,7 @@ extern const OptionGroup curvature_options;
 PetscErrorCode CurvatureSetFromOptions(Curvature *curvature, Growth growth, PetscReal end_time);
 PetscErrorCode CurvatureAngle(const Curvature *curvature, Growth growth, PetscReal s,
                               PetscReal *theta, PetscReal *theta_s);
+void CurvatureLeadTo(Curvature *curvature, int strain, PetscReal t, PetscReal by, PetscReal k);
 PetscErrorCode CurvatureDestroy(Curvature *curvature);
 PetscErrorCode CurvatureValue(const Curvature *curvature, Growth growth, PetscReal s, PetscReal t,
                               PetscReal *k, PetscReal *k_t);

@@ -60,6 +60,7 @@ PetscErrorCode GrowthDepartFed(Growth growth, PetscReal t, PetscReal before, Pet
 PetscErrorCode GrowthCreateTable(Growth growth);
 PetscErrorCode GrowthPathGiven(Growth growth, PetscBool *given);
 PetscErrorCode GrowthFeedByPath(Growth growth);
+PetscErrorCode GrowthFeedOn(Growth growth, PetscReal t, PetscReal speed);
 
 /* Convective speed of the material along the rod: v = x_t + c q. */
 static inline PetscReal GrowthSlide(Growth growth, PetscReal s, PetscReal t) {

@@ -164,3 +164,89 @@ PetscErrorCode GrowthFeedByPath(Growth self) {
   PetscCall(CheckLengths(self, file));
   PetscFunctionReturn(0);
 }
+
+/* ---- fed on at a speed that a run has changed ---- */
+
+/* From a time on, when it was so long; until it is as short as it may get, or for ever. */
+typedef struct {
+  PetscReal t, length, speed, stops;
+} Fed;
+
+/* How much of the length at the start stays in whatever happens. */
+static const PetscReal least_left = 0.1;
+
+static PetscReal FedSpeed(Growth self, PetscReal s, PetscReal t) {
+  const Fed *fed = (const Fed *)self->data;
+
+  return t < fed->stops ? fed->speed : 0;
+}
+
+static PetscReal FedLength(Growth self, PetscReal t) {
+  const Fed *fed = (const Fed *)self->data;
+
+  return fed->length + fed->speed * (PetscMin(t, fed->stops) - fed->t);
+}
+
+static PetscErrorCode StretchFed(Growth self, PetscReal s, PetscReal t, PetscReal *g,
+                                 PetscReal *g_t, PetscReal *g_s) {
+  *g = FedLength(self, t);
+  *g_t = FedSpeed(self, s, t);
+  *g_s = 0;
+  return 0;
+}
+
+static PetscErrorCode ArcFed(Growth self, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t) {
+  *p = s * FedLength(self, t);
+  *p_t = s * FedSpeed(self, s, t);
+  return 0;
+}
+
+static PetscReal SlideFed(Growth self, PetscReal s, PetscReal t) {
+  return (1 - s) * FedSpeed(self, s, t);
+}
+
+static PetscErrorCode OriginFed(Growth self, PetscReal s, PetscReal t, PetscReal *d,
+                                PetscReal *d_t) {
+  *d = (1 - s) * FedLength(self, t);
+  *d_t = 0;
+  return 0;
+}
+
+static PetscReal FedStops(Growth self, PetscReal t) {
+  const Fed *fed = (const Fed *)self->data;
+
+  return fed->stops > t ? fed->stops : PETSC_MAX_REAL;
+}
+
+static PetscBool FedJerks(Growth self, PetscReal t0, PetscReal t1) {
+  const Fed *fed = (const Fed *)self->data;
+
+  return (PetscBool)(fed->stops >= t0 && fed->stops < t1);
+}
+
+/* GrowthFeedOn - a rod that is fed goes on from t on at this speed; below 0 it is pulled out again,
+   until a tenth of what there was at the start is left. The same on every rank. */
+PetscErrorCode GrowthFeedOn(Growth self, PetscReal t, PetscReal speed) {
+  PetscReal length;
+  Fed *fed;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(self, t, &length, NULL));
+  PetscCall(PetscNew(&fed));
+  *fed = (Fed){t, length, speed, PETSC_MAX_REAL};
+  if (speed < 0) fed->stops = t + PetscMax(0, length - least_left * self->initial_length) / -speed;
+  if (self->destroy) PetscCall(self->destroy(self));
+  self->data = fed;
+  self->destroy = GrowthDestroyData;
+  self->similar = PETSC_FALSE;
+  self->next_turn = FedStops;
+  self->bends = NULL;
+  self->jerks = FedJerks;
+  self->stretch = StretchFed;
+  self->arc = ArcFed;
+  self->speed = FedSpeed;
+  self->slide = SlideFed;
+  self->strain = StrainPath;
+  self->origin = OriginFed;
+  PetscFunctionReturn(0);
+}

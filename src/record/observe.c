@@ -335,7 +335,7 @@ static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
   seen->tip_speed = hypot(p->at.v[0], p->at.v[1]);
   seen->tip_power =
       (tip->force[0] - contact[0]) * p->at.v[0] + (tip->force[1] - contact[1]) * p->at.v[1];
-  if (scene->tip.path) seen->tip_power += tip->moment * tip->theta_t;
+  if (scene->tip.path || scene->tip.turned.on) seen->tip_power += tip->moment * tip->theta_t;
   seen->tip_angle = scene->clamp_angle + tip->theta;
   seen->tip_x1 = LabX1(scene, tip->x);
   seen->tip_x2 = LabX2(scene, tip->x);

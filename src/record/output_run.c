@@ -15,12 +15,19 @@ static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
-/* What laws have become by time t: the viscous share of friction, the stiffness of contact; and the
-   walls around the rod, for who draws it. */
+/* What was changed, and what laws have become by time t: the viscous share of friction, the
+   stiffness of contact; and the walls around the rod, for who draws it. */
 static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
+  const Changes changes = self->scene->changes;
   char *text;
 
   PetscFunctionBegin;
+  if (changes && changes->done) {
+    PetscCall(ChangesText(changes, &text));
+    PetscCall(HdfWriteText(file, "changes", text,
+                           "what was changed in the run: time, what, and its new value"));
+    PetscCall(PetscFree(text));
+  }
   if (self->scene->load.shared)
     PetscCall(HdfReal(file, "/", "viscous_share", 1 - self->scene->load.friction.mu));
   PetscCall(SceneContactAt(self->scene, t));

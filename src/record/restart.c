@@ -1,4 +1,5 @@
 #include "record/restart.h"
+#include "scene/change.h"
 #include <ctype.h>
 #include <stddef.h>
 #include <string.h>
@@ -98,19 +99,65 @@ static PetscErrorCode TakeMesh(const char *file, Scene scene) {
   PetscFunctionReturn(0);
 }
 
-/* The clamp goes on from where it has turned to, if its rate was changed in the run. */
-static PetscErrorCode TakeClamp(const char *file, Scene scene) {
-  PetscReal *clamp;
-  PetscBool has;
-  PetscInt n;
+/* The value of an option in the lines of a file's options; NULL: it is not there. The rest of its
+   line stands behind it. */
+static const char *ValueIn(const char *lines, const char *name) {
+  const size_t n = strlen(name);
+
+  for (const char *line = lines; line; line = strchr(line, '\n')) {
+    if (*line == '\n') line++;
+    if (!strncmp(line, name, n) && line[n] == ' ') return line + n + 1;
+  }
+  return NULL;
+}
+
+/* Was an option given to this run, other than the earlier one began with? */
+static PetscErrorCode GivenAnew(const char *lines, const char *name, const char *now,
+                                PetscBool *anew) {
+  const char *began = ValueIn(lines, name), *said = OptionSaid(name);
 
   PetscFunctionBegin;
-  PetscCall(HdfHas(file, "/restart/clamp", &has));
-  if (!has) PetscFunctionReturn(0);
-  PetscCall(HdfRead("-restart", file, "/restart/clamp", 1, &n, &clamp));
-  if (n == 2) scene->space.spun = clamp[0];
-  if (n == 2) scene->space.spins_from = clamp[1];
-  PetscCall(PetscFree(clamp));
+  if (!said) said = now;
+  *anew = (PetscBool)(said[0] && (!began || strcspn(began, "\n") != strlen(said) ||
+                                  strncmp(began, said, strlen(said)) != 0));
+  PetscFunctionReturn(0);
+}
+
+/* One change again, of a run whose options, as it began with them, are in these lines; not that of
+   an option that is given now. */
+static PetscErrorCode Again(Scene scene, const char *lines, const ChangeRow *row) {
+  char name[128], began[PETSC_MAX_PATH_LEN] = "";
+  PetscBool option, anew = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  (void)snprintf(name, sizeof(name), "-%s", row->what);
+  option = (PetscBool)(SceneChangedOption(name) != NULL);
+  if (option) {
+    PetscCall(PetscOptionsGetString(NULL, NULL, name, began, sizeof(began), NULL));
+    PetscCall(GivenAnew(lines, name, began, &anew));
+  }
+  if (anew) PetscFunctionReturn(0);
+  if (option) PetscCall(PetscOptionsSetValue(NULL, name, row->value));
+  PetscCall(SceneChange(scene, name, row->value, row->t));
+  if (option) PetscCall(OptionPut(name, began));
+  PetscFunctionReturn(0);
+}
+
+/*
+  RestartChange - does again what was changed in the earlier run, but for a later end, with which
+  the options have it already. After all that follows from the scene as the run began. Collective.
+*/
+PetscErrorCode RestartChange(const char *file, Scene scene) {
+  char *lines;
+
+  PetscFunctionBegin;
+  PetscCall(ChangesTake(file, &scene->changes));
+  PetscCall(HdfReadText("-restart", file, "options", &lines));
+  for (PetscInt k = 0; scene->changes && k < scene->changes->done; k++)
+    if (strcmp(scene->changes->row[k].what, "ts_max_time") != 0)
+      PetscCall(Again(scene, lines, &scene->changes->row[k]));
+  PetscCall(PetscFree(lines));
+  PetscCall(CheckLength(file, scene));
   PetscFunctionReturn(0);
 }
 
@@ -163,9 +210,7 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   UserCheck(n == StateReals(scene), scene->comm, "-restart %s: is of another version of tendril",
             file);
   PetscCall(CheckScales(file, scene));
-  PetscCall(CheckLength(file, scene));
   PetscCall(TakeMesh(file, scene));
-  PetscCall(TakeClamp(file, scene));
   if (state->shared != 0) LoadShare(&scene->load, state->shared);
   if (!scene->contact.told && state->firm < 0) PetscCall(ContactStaysSoft(&scene->contact));
   if (!scene->contact.told) scene->contact.firm = (PetscBool)(state->firm > 0);

@@ -1,11 +1,26 @@
 #include "scene/change.h"
+#include "base/text.h"
 
-/* A row of the table: an option, why the scene cannot have it changed at t (NULL: it can), and what
-   its new value, which the options have, does from then on. */
+enum { MOST_WORDS = 12 };
+
+/* A change that is asked for: from t on, with the words of its value. trial: all is looked at, and
+   nothing that scenes share is touched. */
 typedef struct {
   const char *name;
+  PetscReal t;
+  PetscInt n;
+  char *word[MOST_WORDS];
+  PetscBool trial;
+} Asked;
+
+/* A row of the table: what, why the scene cannot have it changed at t (NULL: it can), and what its
+   new value does from then on. That of an option the options have; others are words, of which form
+   says what they are. */
+typedef struct {
+  const char *name;
+  const char *form; /* NULL: an option */
   const char *(*refuses)(Scene, PetscReal t);
-  PetscErrorCode (*change)(Scene, PetscReal t);
+  PetscErrorCode (*change)(Scene, const Asked *asked);
 } Change;
 
 static const char *RefusesSpin(Scene scene, PetscReal t) {
@@ -25,7 +40,7 @@ static const char *RefusesFriction(Scene scene, PetscReal t) {
   return NULL;
 }
 
-static PetscErrorCode ChangeForce(Scene scene, PetscReal t) {
+static PetscErrorCode ChangeForce(Scene scene, const Asked *asked) {
   PetscReal force;
 
   PetscFunctionBegin;
@@ -38,7 +53,7 @@ static PetscErrorCode ChangeForce(Scene scene, PetscReal t) {
 
 /* Where it is not dry at the beginning it is not to be later on: dry friction is stepped otherwise.
  */
-static PetscErrorCode ChangeFriction(Scene scene, PetscReal t) {
+static PetscErrorCode ChangeFriction(Scene scene, const Asked *asked) {
   Load load = scene->load;
 
   PetscFunctionBegin;
@@ -52,15 +67,15 @@ static PetscErrorCode ChangeFriction(Scene scene, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode ChangeEnd(Scene scene, PetscReal t) {
+static PetscErrorCode ChangeEnd(Scene scene, const Asked *asked) {
   PetscReal end;
   char text[2][64];
 
   PetscFunctionBegin;
   PetscCall(OptionReal("-ts_max_time", &end, NULL));
   OptionBoth(end, UNIT_TIME, text[0]);
-  UserCheck(end > t, scene->comm, "-ts_max_time %s: the run is at %s already", text[0],
-            OptionBoth(t, UNIT_TIME, text[1]));
+  UserCheck(end > asked->t, scene->comm, "-ts_max_time %s: the run is at %s already", text[0],
+            OptionBoth(asked->t, UNIT_TIME, text[1]));
   UserCheck(end <= scene->growth->end_time * (1 + 1e-12), scene->comm,
             "-ts_max_time %s: the growth table ends at t = %s", text[0],
             OptionBoth(scene->growth->end_time, UNIT_TIME, text[1]));
@@ -75,73 +90,402 @@ static PetscErrorCode ChangeEnd(Scene scene, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode ChangeSpin(Scene scene, PetscReal t) {
+static PetscErrorCode ChangeSpin(Scene scene, const Asked *asked) {
   PetscFunctionBegin;
-  PetscCall(SpaceChangeSpin(&scene->space, t));
+  PetscCall(SpaceChangeSpin(&scene->space, asked->t));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode ChangeTorque(Scene scene, PetscReal t) {
+static PetscErrorCode ChangeTorque(Scene scene, const Asked *asked) {
   PetscFunctionBegin;
   PetscCall(SpaceChangeTorque(&scene->space, &scene->tip));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode ChangePush(Scene scene, PetscReal t) {
+static PetscErrorCode ChangePush(Scene scene, const Asked *asked) {
   PetscFunctionBegin;
   PetscCall(SpaceChangePush(&scene->space, &scene->tip));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode ChangeWeight(Scene scene, PetscReal t) {
+static PetscErrorCode ChangeWeight(Scene scene, const Asked *asked) {
   PetscFunctionBegin;
   PetscCall(SpaceChangeWeight(&scene->space, &scene->load));
   PetscFunctionReturn(0);
 }
 
+/* ---- by words ---- */
+
+/* The k-th word of a value as a number. */
+static PetscErrorCode Number(const Asked *asked, PetscInt k, Dimension dimension,
+                             PetscReal *value) {
+  PetscFunctionBegin;
+  PetscCall(OptionQuantity(asked->name, asked->word[k], dimension, value));
+  PetscFunctionReturn(0);
+}
+
+/* The time by which something is to be there. */
+static PetscErrorCode By(Scene scene, const Asked *asked, PetscInt k, PetscReal *by) {
+  char text[2][64];
+
+  PetscFunctionBegin;
+  PetscCall(Number(asked, k, UNIT_TIME, by));
+  UserCheck(*by > asked->t, scene->comm, "%s %s: the run is at t = %s already; give a later time",
+            asked->name, OptionBoth(*by, UNIT_TIME, text[0]),
+            OptionBoth(asked->t, UNIT_TIME, text[1]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Malformed(Scene scene, const Asked *asked, const char *form) {
+  PetscFunctionBegin;
+  UserCheck(PETSC_FALSE, scene->comm, "%s: give %s", asked->name, form);
+  PetscFunctionReturn(0);
+}
+
+static const char *RefusesFeed(Scene scene, PetscReal t) {
+  return strcmp(scene->growth->type, "feed") ? "only a rod that is fed has a speed of feeding: "
+                                               "-growth_type feed"
+                                             : NULL;
+}
+
+static PetscErrorCode ChangeFeed(Scene scene, const Asked *asked) {
+  PetscReal speed, length;
+
+  PetscFunctionBegin;
+  PetscCall(Number(asked, 0, UNIT_SPEED, &speed));
+  PetscCall(GrowthLength(scene->growth, asked->t, &length, NULL));
+  length += PetscMax(speed, 0) * (scene->end_time - asked->t);
+  UserCheck(
+      length <= scene->reach * (1 + 1e-9) || !CurvatureIsTable(&scene->curvature), scene->comm,
+      "%s: so fed the rod gets longer than its natural curvature is laid out for", asked->name);
+  if (asked->trial) PetscFunctionReturn(0);
+  PetscCall(GrowthFeedOn(scene->growth, asked->t, speed));
+  scene->reach = PetscMax(scene->reach, length);
+  PetscFunctionReturn(0);
+}
+
+static const char *RefusesFactor(Scene scene, PetscReal t) {
+  return scene->load.friction.own ? "the friction law of one's own says it" : NULL;
+}
+
+static PetscErrorCode ChangeFactor(Scene scene, const Asked *asked) {
+  const PetscReal least = 1e-3, most = 1e3;
+  PetscReal factor;
+
+  PetscFunctionBegin;
+  PetscCall(Number(asked, 0, UNIT_NONE, &factor));
+  UserCheck(factor >= least && factor <= most, scene->comm, "%s %g: give %g to %g", asked->name,
+            (double)factor, (double)least, (double)most);
+  LoadSetFactor(&scene->load, factor);
+  PetscFunctionReturn(0);
+}
+
+static const char *RefusesWallFriction(Scene scene, PetscReal t) {
+  return ContactWallsRub(&scene->contact)
+             ? NULL
+             : "no wall has friction in it; begin it with a little, friction 1e-3 in its line";
+}
+
+/* Which wall of the plane, or surface, stands in a line of the wall file; the other is -1. */
+static PetscErrorCode WallOf(Scene scene, const Asked *asked, PetscInt *wall, PetscInt *surface) {
+  const Walls *walls = &scene->contact.walls;
+  const Surfaces *surfaces = &scene->contact.surfaces;
+  PetscReal line;
+
+  PetscFunctionBegin;
+  *wall = *surface = -1;
+  PetscCall(Number(asked, 0, UNIT_NONE, &line));
+  for (PetscInt k = 0; k < walls->n; k++)
+    if (walls->wall[k].line == line) *wall = k;
+  for (PetscInt k = 0; k < surfaces->n; k++)
+    if (surfaces->surface[k].line == line) *surface = k;
+  UserCheck(*wall >= 0 || *surface >= 0, scene->comm,
+            "%s %g: there is no wall in this line of -wall_file", asked->name, (double)line);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ChangeWallFriction(Scene scene, const Asked *asked) {
+  const PetscReal most = 100;
+  PetscInt wall, surface;
+  PetscReal mu;
+
+  PetscFunctionBegin;
+  PetscCall(WallOf(scene, asked, &wall, &surface));
+  PetscCall(Number(asked, 1, UNIT_NONE, &mu));
+  UserCheck(mu >= 0 && mu <= most, scene->comm, "%s: friction must be from 0 to %g", asked->name,
+            (double)most);
+  if (asked->trial) PetscFunctionReturn(0);
+  if (wall >= 0) scene->contact.walls.wall[wall].friction = mu;
+  if (surface >= 0) scene->contact.surfaces.surface[surface].friction = mu;
+  PetscFunctionReturn(0);
+}
+
+static const char *RefusesWalls(Scene scene, PetscReal t) {
+  return scene->contact.surfaces.n
+             ? NULL
+             : "it has no surface in space; walls of the plane stand still (docs/live.md)";
+}
+
+/* The displacement that stands behind word k; x3 may be left out. */
+static PetscErrorCode Shift(Scene scene, const Asked *asked, PetscInt k, PetscReal x[3]) {
+  PetscFunctionBegin;
+  x[2] = 0;
+  for (PetscInt d = 0; d < 3 && k + d < asked->n; d++)
+    PetscCall(Number(asked, k + d, UNIT_LENGTH, &x[d]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode MoveWall(Scene scene, const Asked *asked, PetscReal by, PetscInt k) {
+  Surfaces *surfaces = &scene->contact.surfaces;
+  PetscInt wall, surface;
+  PetscReal x[3];
+
+  PetscFunctionBegin;
+  PetscCall(WallOf(scene, asked, &wall, &surface));
+  UserCheck(wall < 0, scene->comm,
+            "%s: walls of the plane stand still; say it as a surface in space (docs/live.md)",
+            asked->name);
+  PetscCall(Shift(scene, asked, k, x));
+  if (asked->trial) PetscFunctionReturn(0);
+  PetscCall(MotionLeadTo(&surfaces->surface[surface].motion, asked->t, by, x));
+  PetscCall(SurfacesIndexAnew(surfaces));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ChangeWallTo(Scene scene, const Asked *asked) {
+  PetscReal by;
+
+  PetscFunctionBegin;
+  if (asked->n < 4) PetscCall(Malformed(scene, asked, "LINE T X1 X2, in space X3, too"));
+  PetscCall(By(scene, asked, 1, &by));
+  PetscCall(MoveWall(scene, asked, by, 2));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ChangeWallAt(Scene scene, const Asked *asked) {
+  PetscFunctionBegin;
+  if (asked->n < 3) PetscCall(Malformed(scene, asked, "LINE X1 X2, in space X3, too"));
+  PetscCall(MoveWall(scene, asked, asked->t, 1));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode LeadStrain(Scene scene, const Asked *asked, int strain) {
+  const PetscReal most = 1e9;
+  PetscReal by, k;
+
+  PetscFunctionBegin;
+  UserCheck(strain == BEND_3 || scene->space.rod, scene->comm,
+            "%s: takes the rod out of the plane, in which this run is; begin it with -rod_model "
+            "space",
+            asked->name);
+  PetscCall(By(scene, asked, 0, &by));
+  PetscCall(Number(asked, 1, UNIT_CURVATURE, &k));
+  UserCheck(PetscAbsReal(k) <= most, scene->comm, "%s %g: is too large", asked->name, (double)k);
+  CurvatureLeadTo(&scene->curvature, strain, asked->t, by, k);
+  PetscFunctionReturn(0);
+}
+
+static const char *RefusesBend(Scene scene, PetscReal t) {
+  return scene->curvature.own ? "the curvature of one's own says it" : NULL;
+}
+
+static PetscErrorCode ChangeBend(Scene scene, const Asked *asked) {
+  PetscFunctionBegin;
+  PetscCall(LeadStrain(scene, asked, BEND_3));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ChangeBend2(Scene scene, const Asked *asked) {
+  PetscFunctionBegin;
+  PetscCall(LeadStrain(scene, asked, BEND_2));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ChangeTwist(Scene scene, const Asked *asked) {
+  PetscFunctionBegin;
+  PetscCall(LeadStrain(scene, asked, TURN_1));
+  PetscFunctionReturn(0);
+}
+
+static const char *RefusesLead(Scene scene, PetscReal t) {
+  if (scene->tip.type == TIP_FREE) return "the tip is free; -tip_type pinned or clamped holds it";
+  if (scene->tip.type == TIP_SLIDES) return "the tip slides";
+  return scene->tip.path ? "-tip_path says where the tip is" : NULL;
+}
+
+static PetscErrorCode ChangeTipPlace(Scene scene, const Asked *asked) {
+  PetscReal by, lab[3], x[3], length, away = 0;
+
+  PetscFunctionBegin;
+  if (asked->n < 3) PetscCall(Malformed(scene, asked, "T X1 X2, in space X3, too"));
+  PetscCall(By(scene, asked, 0, &by));
+  PetscCall(Shift(scene, asked, 1, lab));
+  for (int i = 0; i < 3; i++) {
+    x[i] = 0;
+    for (int j = 0; j < 3; j++) x[i] += scene->space.lab[j][i] * lab[j];
+    away += PetscSqr(x[i]);
+  }
+  PetscCall(GrowthLength(scene->growth, asked->t, &length, NULL));
+  UserCheck(scene->clamp == CLAMP_FREE || away < PetscSqr(length), scene->comm,
+            "%s: is farther from the clamp than the rod is long", asked->name);
+  UserCheck(lab[2] == 0 || scene->space.rod, scene->comm,
+            "%s: leads the tip out of the plane, in which this run is", asked->name);
+  TipLeadTo(&scene->tip, asked->t, by, x);
+  PetscFunctionReturn(0);
+}
+
+static const char *RefusesTurn(Scene scene, PetscReal t) {
+  if (scene->tip.type != TIP_CLAMPED) return "the tip's direction is free";
+  if (scene->space.rod) return "it is for a rod in the plane";
+  return scene->tip.path ? "-tip_path says where the tip is" : NULL;
+}
+
+static PetscErrorCode ChangeTipTurn(Scene scene, const Asked *asked) {
+  PetscReal by, angle;
+
+  PetscFunctionBegin;
+  PetscCall(By(scene, asked, 0, &by));
+  PetscCall(Number(asked, 1, UNIT_ANGLE, &angle));
+  TipTurnTo(&scene->tip, asked->t, by, angle - scene->clamp_angle);
+  PetscFunctionReturn(0);
+}
+
 static const Change changes[] = {
-    {"-clamp_spin", RefusesSpin, ChangeSpin},  {"-tip_force", RefusesTip, ChangeForce},
-    {"-tip_torque", RefusesTip, ChangeTorque}, {"-tip_force_vector", RefusesTip, ChangePush},
-    {"-rod_weight", NULL, ChangeWeight},       {"-friction_mu", RefusesFriction, ChangeFriction},
-    {"-ts_max_time", NULL, ChangeEnd},
+    {"-clamp_spin", NULL, RefusesSpin, ChangeSpin},
+    {"-tip_force", NULL, RefusesTip, ChangeForce},
+    {"-tip_torque", NULL, RefusesTip, ChangeTorque},
+    {"-tip_force_vector", NULL, RefusesTip, ChangePush},
+    {"-rod_weight", NULL, NULL, ChangeWeight},
+    {"-friction_mu", NULL, RefusesFriction, ChangeFriction},
+    {"-ts_max_time", NULL, NULL, ChangeEnd},
+    {"-feed_speed", "SPEED", RefusesFeed, ChangeFeed},
+    {"-friction_factor", "FACTOR", RefusesFactor, ChangeFactor},
+    {"-wall_friction", "LINE MU", RefusesWallFriction, ChangeWallFriction},
+    {"-wall_to", "LINE T X1 X2 X3", RefusesWalls, ChangeWallTo},
+    {"-wall_at", "LINE X1 X2 X3", RefusesWalls, ChangeWallAt},
+    {"-curvature_to", "T K", RefusesBend, ChangeBend},
+    {"-curvature_2_to", "T K", RefusesBend, ChangeBend2},
+    {"-twist_to", "T K", RefusesBend, ChangeTwist},
+    {"-tip_to", "T X1 X2 X3", RefusesLead, ChangeTipPlace},
+    {"-tip_turn_to", "T ANGLE", RefusesTurn, ChangeTipTurn},
 };
 
 static const Change *Find(const char *name) {
+  while (*name == '-') name++;
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(changes); k++)
-    if (!strcmp(name, changes[k].name)) return &changes[k];
+    if (!strcmp(name, changes[k].name + 1)) return &changes[k];
   return NULL;
 }
 
-/* SceneMayChange - refuses what cannot be changed in a run at t, or not to the value that the
-   options have by now. Collective. */
-PetscErrorCode SceneMayChange(Scene scene, const char *name, PetscReal t) {
+/* SceneChangedOption - the option whose value a change is; NULL: it is given by words. */
+const OptionRow *SceneChangedOption(const char *name) {
+  const Change *change = Find(name);
+
+  return change && !change->form ? OptionFind(change->name) : NULL;
+}
+
+/* All names. */
+static void Names(char all[], size_t room) {
+  all[0] = 0;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(changes); k++)
+    (void)snprintf(all + strlen(all), room - strlen(all), "%s%s", k ? ", " : "", changes[k].name);
+}
+
+/* Takes a value apart; the caller frees the text. */
+static PetscErrorCode TakeWords(Scene scene, const Change *change, const char *value, char **text,
+                                Asked *asked) {
+  PetscInt wanted = 1;
+
+  PetscFunctionBegin;
+  PetscCall(PetscStrallocpy(value, text));
+  asked->n = TextWords(*text, " \t,", MOST_WORDS, asked->word);
+  for (const char *c = change->form ? change->form : ""; *c; c++) wanted += *c == ' ';
+  if (change->form && strstr(change->form, " X3") && asked->n == wanted - 1) wanted--;
+  UserCheck(!change->form || asked->n == wanted, scene->comm, "%s %s: give %s", change->name, value,
+            change->form);
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Do(Scene scene, const Change *change, const char *value, PetscReal t,
+                         PetscBool trial) {
+  Asked asked = {.name = change->name, .t = t, .trial = trial};
+  PetscErrorCode error;
+  char *text = NULL;
+
+  PetscFunctionBegin;
+  error = TakeWords(scene, change, value, &text, &asked);
+  if (!error) error = change->change(scene, &asked);
+  PetscCall(PetscFree(text));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/* SceneMayChange - refuses what cannot be changed in a run at t, or not to this value (which, if it
+   is an option's, the options have by now). Collective. */
+PetscErrorCode SceneMayChange(Scene scene, const char *name, const char *value, PetscReal t) {
   const Change *change = Find(name);
   const char *why = change && change->refuses ? change->refuses(scene, t) : NULL;
   PetscErrorCode error;
-  char all[256] = "";
+  char all[512];
   Scene trial;
 
   PetscFunctionBegin;
-  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(changes); k++)
-    (void)snprintf(all + strlen(all), sizeof(all) - strlen(all), "%s%s", k ? ", " : "",
-                   changes[k].name);
+  Names(all, sizeof(all));
   UserCheck(change, scene->comm, "%s: cannot be changed in a run; there can %s", name, all);
   UserCheck(!why, scene->comm, "%s: cannot be changed in this run: %s", name, why);
   PetscCall(SceneShare(scene, &trial));
-  error = change->change(trial, t);
+  error = Do(trial, change, value, t, PETSC_TRUE);
   PetscCall(SceneShareEnd(&trial));
   PetscCall(error);
   PetscFunctionReturn(0);
 }
 
-/* SceneChange - lets the value that the options have by now be in force from t on. After
-   SceneMayChange(). Collective. */
-PetscErrorCode SceneChange(Scene scene, const char *name, PetscReal t) {
-  const Change *change = Find(name);
-
+/* SceneChange - lets the value (if it is an option's, the one that the options have by now) be in
+   force from t on. After SceneMayChange(). Collective. */
+PetscErrorCode SceneChange(Scene scene, const char *name, const char *value, PetscReal t) {
   PetscFunctionBegin;
-  PetscCall(change->change(scene, t));
+  PetscCall(Do(scene, Find(name), value, t, PETSC_FALSE));
   scene->contact.time = PETSC_MIN_REAL;
   PetscCall(SceneContactAt(scene, t));
+  PetscFunctionReturn(0);
+}
+
+/* SceneHasRoom - is none of the rod's places, in the clamp's frame, where -wall_at puts a surface?
+   After SceneMayChange(). */
+PetscBool SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
+                       const PetscReal x[][3]) {
+  const Surfaces *surfaces = &scene->contact.surfaces;
+  PetscReal lab[3], shift[3] = {0}, line = 0;
+  PetscInt which = 0;
+
+  (void)sscanf(value, "%lf%*[ ,\t]%lf%*[ ,\t]%lf%*[ ,\t]%lf", &line, &shift[0], &shift[1],
+               &shift[2]);
+  while (which < surfaces->n && surfaces->surface[which].line != line) which++;
+  if (which == surfaces->n) return PETSC_TRUE;
+  for (PetscInt i = 0; i < n; i++) {
+    SpaceToLab(&scene->space, x[i], lab);
+    if (SurfaceShifted(&surfaces->surface[which], t, shift, lab) < scene->contact.diameter / 2)
+      return PETSC_FALSE;
+  }
+  return PETSC_TRUE;
+}
+
+/* SceneChangesCheck - refuses rows to come that no run can have. Collective. */
+PetscErrorCode SceneChangesCheck(Scene scene) {
+  const Changes list = scene->changes;
+  char all[512], text[64];
+
+  PetscFunctionBegin;
+  Names(all, sizeof(all));
+  for (PetscInt k = list ? list->done : 0; list && k < list->n; k++) {
+    const ChangeRow *row = &list->row[k];
+    const Change *change = Find(row->what);
+    const char *why = change && change->refuses ? change->refuses(scene, row->t) : NULL;
+    UserCheck(change, scene->comm,
+              "-change_file: at t = %s: %s cannot be changed in a run; there can %s",
+              OptionBoth(row->t, UNIT_TIME, text), row->what, all);
+    UserCheck(!why, scene->comm, "-change_file: at t = %s: %s cannot be changed in this run: %s",
+              OptionBoth(row->t, UNIT_TIME, text), row->what, why);
+  }
   PetscFunctionReturn(0);
 }

@@ -4,7 +4,11 @@
 
 #include "scene/scene.h"
 
-PetscErrorCode SceneMayChange(Scene scene, const char *name, PetscReal t);
-PetscErrorCode SceneChange(Scene scene, const char *name, PetscReal t);
+const OptionRow *SceneChangedOption(const char *name);
+PetscErrorCode SceneMayChange(Scene scene, const char *name, const char *value, PetscReal t);
+PetscErrorCode SceneChange(Scene scene, const char *name, const char *value, PetscReal t);
+PetscBool SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
+                       const PetscReal x[][3]);
+PetscErrorCode SceneChangesCheck(Scene scene);
 
 #endif

@@ -11,7 +11,10 @@ static const OptionRow rows[] = {
     ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
-    ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run")};
+    ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run"),
+    ROW_TEXT("-change_file", INPUT_FILE,
+             "text file of what changes in the run, one a line: the time, what, and its new value, "
+             "as in 2.5 tip_force 0.2 (docs/live.md)")};
 const OptionGroup scene_options = OPTION_GROUP("Rod and clamp", rows);
 
 /* SceneShapeAngle - the initial angle against the clamp and its derivative by s, at one label. A
@@ -74,13 +77,13 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   const Growth growth = scene->growth;
   PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
 
-  if (scene->tip.path) next = SmallerOf(next, PathNextTurn(scene->tip.path, t));
+  next = SmallerOf(next, TipNextTurn(&scene->tip, t));
   if (scene->space.clamp_path) next = SmallerOf(next, ScheduleNextTurn(scene->space.clamp_path, t));
   if (scene->load.field) next = SmallerOf(next, FieldNextTurn(scene->load.field, t));
   if (scene->tip.resistance.field)
     next = SmallerOf(next, FieldNextTurn(scene->tip.resistance.field, t));
   if (growth->next_turn) next = SmallerOf(next, growth->next_turn(growth, t));
-  if (scene->curvature.steered) next = SmallerOf(next, CurvatureNextTurn(&scene->curvature, t));
+  next = SmallerOf(next, CurvatureNextTurn(&scene->curvature, t));
   return next;
 }
 
@@ -252,6 +255,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(SceneForce(self, &self->contact.usual));
   PetscCall(SceneContactAt(self, 0));
   ContactStandOff(&self->contact, &self->stands_off);
+  PetscCall(ChangesRead(&self->changes));
   PetscFunctionReturn(0);
 }
 
@@ -347,6 +351,7 @@ PetscErrorCode SceneDestroy(Scene *scene) {
   PetscCall(GrowthDestroy(&(*scene)->growth));
   PetscCall(MeshDestroy(&(*scene)->mesh));
   PetscCall(ShapeDestroy(&(*scene)->shape));
+  PetscCall(ChangesDestroy(&(*scene)->changes));
   PetscCall(PetscFree(*scene));
   PetscFunctionReturn(0);
 }

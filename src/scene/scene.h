@@ -7,6 +7,7 @@
 #include "material/growth.h"
 #include "world/load.h"
 #include "material/mesh.h"
+#include "scene/changes.h"
 #include "material/shape.h"
 #include "scene/si.h"
 #include "scene/space.h"
@@ -56,6 +57,7 @@ struct _Scene {
   PetscReal end_time;    /* T, -ts_max_time */
   PetscReal reach;       /* the longest that the rod becomes */
   PetscReal stands_off;  /* by how much walls at which the rod begins are taken off, at most */
+  Changes changes;       /* what a run changes in all of this; NULL: nothing */
   SceneUnits units;      /* RodFindUnits() */
   PetscReal falls;       /* at this speed, in a snap: SceneAtSpeed(); 0: in none */
   PetscReal beta[3];     /* ... and what its frictions have for beta else */

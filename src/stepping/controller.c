@@ -288,8 +288,7 @@ static PetscReal Smallest(TS ts, const Controller *self) {
 }
 
 /* After a rejection: a shorter step; after several, a fresh start from the last point alone,
-   because the history may lie on the other side of a kink; or from it and the point before, by
-   which its error is seen. */
+   because the history may lie on the other side of a kink. */
 static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attempt,
                             PetscReal factor) {
   PetscFunctionBegin;
@@ -300,8 +299,7 @@ static PetscErrorCode Retry(TS ts, Controller *self, Formula *f, PetscInt attemp
   self->since = 0;
   if (attempt >= 3) {
     self->order = 1;
-    self->before = PetscMax(self->before, f->n);
-    f->n = self->look ? PetscMin(self->before, 2) : 1;
+    f->n = 1;
   }
   if (ts->max_reject >= 0 && attempt > ts->max_reject) ts->reason = TS_DIVERGED_STEP_REJECTED;
   if (ts->time_step < Smallest(ts, self)) ts->reason = TS_DIVERGED_STEP_REJECTED;
@@ -416,16 +414,12 @@ static PetscErrorCode Try(TS ts, Controller *self, Formula *f, Outcome *outcome,
   PetscFunctionReturn(0);
 }
 
-/* The step cannot be as it was tried: one of fixed size ends the run; another is cut. One tried
-   from the last point alone is blind, and judged by modes of the frozen rod, which need not be
-   those of the one that moves: if it crosses one, the next try is one whose error is seen.
- */
+/* The step cannot be as it was tried: one of fixed size ends the run; another is cut. */
 static PetscErrorCode Cut(TS ts, Controller *self, Formula *f, PetscInt attempt, Outcome outcome) {
   PetscBool unsolved = (PetscBool)(outcome == TRY_UNSOLVED);
 
   PetscFunctionBegin;
   if (unsolved) ts->num_snes_failures++;
-  if (outcome == TRY_CROSSES && f->n == 1) self->look = PETSC_TRUE;
   if (self->fixed ||
       (unsolved && ts->max_snes_failures >= 0 && ts->num_snes_failures > ts->max_snes_failures))
     ts->reason = unsolved ? TS_DIVERGED_NONLINEAR_SOLVE : TS_DIVERGED_STEP_REJECTED;
@@ -464,8 +458,7 @@ static void SetOutAnew(TS ts, Controller *self, Formula *f) {
 static PetscErrorCode BeginStep(TS ts, Controller *self, Formula *f) {
   PetscFunctionBegin;
   PetscCall(PetscObjectTypeCompare((PetscObject)ts->adapt, TSADAPTNONE, &self->fixed));
-  self->jumped = self->look = PETSC_FALSE;
-  self->before = 0;
+  self->jumped = PETSC_FALSE;
   self->layer = PetscMax(self->layer, step_rule.jump_step * Scale(ts, self));
   self->rejected = PETSC_MAX_REAL;
   if (ts->steprestart && !f->given) f->n = 0;

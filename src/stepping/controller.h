@@ -26,8 +26,6 @@ typedef struct {
   PetscReal late;     /* what the time has passed by that has no room in it beside what it is */
   PetscBool fixed;    /* -ts_adapt_type none: steps as told, order as high as the history allows */
   PetscBool jumped;   /* the present step was accepted as a jump */
-  PetscBool look;     /* its error is to be seen, if there is a point before */
-  PetscInt before;    /* points there were before it was tried from the last one alone */
   PetscBool plain_next;             /* nothing is factored in the next step */
   PetscObjectState tolerance_state; /* of the tolerances that were looked at */
   PetscBool minute;                 /* one of them is */

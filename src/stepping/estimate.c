@@ -131,21 +131,30 @@ static void TakeSlopes(Scene coarse) {
   coarse->tip.resistance.friction.newton = NEWTON_PRIMAL;
 }
 
+/* What the coarse rod's scene has of its own. */
+static void MakeCoarse(Estimate self, const struct _Scene *scene, PetscReal *s) {
+  Scene coarse = self->scene;
+
+  coarse->comm = PETSC_COMM_SELF;
+  TakeSlopes(coarse);
+  coarse->contact.self = (PetscBool)(scene->contact.self && self->touches);
+  coarse->mesh.cells = self->nodes - 1;
+  coarse->mesh.s = s;
+  SceneLinkWalls(coarse);
+}
+
 /* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
 static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
   const PetscInt n = self->nodes * self->fields;
+  PetscReal *s;
   Scene coarse;
 
   PetscFunctionBegin;
   PetscCall(SceneShare(scene, &self->scene));
   coarse = self->scene;
-  coarse->comm = PETSC_COMM_SELF;
-  TakeSlopes(coarse);
-  coarse->contact.self = (PetscBool)(scene->contact.self && self->touches);
-  coarse->mesh.cells = self->nodes - 1;
-  PetscCall(PetscMalloc1(self->nodes, &coarse->mesh.s));
-  for (PetscInt k = 0; k < self->nodes; k++) coarse->mesh.s[k] = scene->mesh.s[FineNode(self, k)];
-  SceneLinkWalls(coarse);
+  PetscCall(PetscMalloc1(self->nodes, &s));
+  for (PetscInt k = 0; k < self->nodes; k++) s[k] = scene->mesh.s[FineNode(self, k)];
+  MakeCoarse(self, scene, s);
   PetscCall(RodCreate(coarse, self->model, &self->rod));
   if (self->rod->coupled)
     PetscCall(CreateMatrix(self));
@@ -161,6 +170,19 @@ static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
     PetscCall(PetscCalloc3(n, &self->e[part], n, &self->begun[part], n, &self->once[part]));
   PetscCall(PetscCalloc2(n, &self->rhs, n, &self->b));
   PetscCall(CreateGathered(self, &self->all));
+  PetscFunctionReturn(0);
+}
+
+/* EstimateSceneChanged - the scene has been changed in the run: errors are followed on in what it
+   is now. self NULL: none are. */
+PetscErrorCode EstimateSceneChanged(Estimate self) {
+  PetscFunctionBegin;
+  if (self && self->scene) {
+    PetscReal *const s = self->scene->mesh.s;
+    *self->scene = *self->leg->rod->scene;
+    MakeCoarse(self, self->leg->rod->scene, s);
+    self->scene->contact.time = PETSC_MIN_REAL;
+  }
   PetscFunctionReturn(0);
 }
 

@@ -49,6 +49,7 @@ enum { ASTRAY_NUMBERS = sizeof(Astray) / sizeof(PetscReal) };
 
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate);
 PetscErrorCode EstimateDestroy(Estimate *estimate);
+PetscErrorCode EstimateSceneChanged(Estimate estimate);
 PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped, PetscBool touches);
 PetscErrorCode EstimateTold(Estimate estimate, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 void EstimateLatest(Estimate estimate, PetscReal latest[ESTIMATE_PARTS][ESTIMATE_SEEN],

@@ -93,26 +93,8 @@ static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
 
 /* What an update of forces counts, relative to their size, beside those of the fields followed. */
 static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
-  const PetscBool falls = (PetscBool)(RodFalls(self->rod) > 0);
-
-  if (self->waits >= (falls ? step_rule.force_iterations_in_jump : step_rule.force_iterations))
-    return 0;
-  return PetscMin(1, floor / (falls ? step_rule.force_settles_in_jump : step_rule.force_settles));
-}
-
-/*
-  Settled - has a rod that can touch arrived as far as it can? Nor is there anything to wait for
-  where nothing moves by more than round-off (part of a field) and the residual has not fallen to
-  this part, so many times in a row: what is left of it is round-off, too, of velocities in a short
-  step. (In exact friction it may be that places stick one after the other.)
-*/
-static PetscBool Settled(Newton *self, PetscReal followed, PetscReal rate) {
-  const PetscBool still =
-      (PetscBool)(RodTouches(self->rod) && !RodSticks(self->rod) &&
-                  followed <= step_rule.update_at_rest && rate > step_rule.stagnates);
-
-  self->settles = still ? self->settles + 1 : 0;
-  return (PetscBool)(self->settles >= step_rule.stagnates_times);
+  if (self->waits >= step_rule.force_iterations) return 0;
+  return PetscMin(1, floor / step_rule.force_settles);
 }
 
 /*
@@ -223,7 +205,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   PetscCall(SNESGetSolution(snes, &U));
   PetscCall(Residuals(self->rod, U, F, residual));
   if (!it) {
-    self->waits = self->settles = self->holds = 0;
+    self->waits = self->holds = 0;
     self->guess = Largest(residual);
   } else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
@@ -234,7 +216,6 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);
     }
-    if (Settled(self, followed, rate)) left = followed;
     if (it > 1 && !RodTouches(self->rod)) rate = PetscMin(rate, left / self->update);
     self->update = left;
     PetscCall(SNESGetLineSearch(snes, &search));

@@ -27,7 +27,6 @@ typedef struct {
   PetscInt wild;              /* for how many it has been far above that of the guess */
   PetscInt holds;             /* how often sticking points were held anew */
   PetscInt waits;             /* how many iterations forces have been waited for */
-  PetscInt settles;           /* for how many nothing has changed but round-off */
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);

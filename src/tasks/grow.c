@@ -245,6 +245,11 @@ static PetscErrorCode TakeStep(Grow *self, TS ts) {
   PetscFunctionReturn(0);
 }
 
+/* Is one step taken after the other, for between them something may be changed? */
+static PetscBool ByTurns(const Grow *self) {
+  return (PetscBool)(self->by_steps || self->scene->changes);
+}
+
 /* GrowAfterStep - what a stepper calls behind each of its steps: looks at it, unless it is to wait.
  */
 PetscErrorCode GrowAfterStep(TS ts) {
@@ -261,11 +266,11 @@ PetscErrorCode GrowAfterStep(TS ts) {
     reason = TS_CONVERGED_TIME;
     PetscCall(TSSetConvergedReason(ts, reason));
   }
-  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + grow_rule.same_time));
+  self->waits = (PetscBool)(ByTurns(self) && t > self->until * (1 + grow_rule.same_time));
   self->reason = reason;
   if (!self->waits) PetscCall(TakeStep(self, ts));
-  if (self->by_steps) PetscCall(TSGetConvergedReason(ts, &reason));
-  if (self->waits || (self->by_steps && !reason))
+  if (ByTurns(self)) PetscCall(TSGetConvergedReason(ts, &reason));
+  if (self->waits || (ByTurns(self) && !reason))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER)); /* the host has its turn */
   PetscFunctionReturn(0);
 }
@@ -311,6 +316,7 @@ static PetscErrorCode AfterSolve(Grow *self) {
 
 static PetscErrorCode Follow(Grow *self) {
   PetscFunctionBegin;
+  while (!self->over && self->scene->changes) PetscCall(GrowStepOn(self, PETSC_MAX_REAL));
   while (!self->over) {
     PetscCall(TSSolve(self->now->ts, self->now->U));
     PetscCall(AfterSolve(self));
@@ -375,7 +381,10 @@ PetscErrorCode GrowSettle(Grow *self, PetscReal t) {
 PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
   PetscFunctionBegin;
   for (PetscInt m = 0; m < MODELS; m++)
-    if (self->leg[m].ts) PetscCall(TSSetMaxTime(self->leg[m].ts, self->scene->end_time));
+    if (self->leg[m].ts) {
+      PetscCall(TSSetMaxTime(self->leg[m].ts, self->scene->end_time));
+      PetscCall(LegEndAtTurns(&self->leg[m]));
+    }
   PetscCall(GrowFindEnd(self));
   if (!acts) PetscFunctionReturn(0);
   self->changed = PETSC_TRUE;

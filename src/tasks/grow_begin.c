@@ -1,5 +1,6 @@
 /* -task grow: what a run is asked for, and how it begins, or goes on. */
 #include "tasks/accuracy.h"
+#include "scene/change.h"
 #include "tasks/growing.h"
 #include "tasks/grow_rules.h"
 
@@ -215,10 +216,17 @@ PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
       PetscCall(GrowAddLeg(self, m));
   PetscCall(CrawlAllowed(GrowOwnLeg(self)->ts, &self->crawl));
   PetscCall(RodHoldTip(GrowOwnLeg(self)->rod));
+  if (begun) PetscCall(RestartChange(restart, self->scene));
+  for (PetscInt m = 0; m < MODELS && begun; m++)
+    if (self->leg[m].ts) PetscCall(LegEndAtTurns(&self->leg[m]));
   if (self->leg[GrowWholeModel(self)].rod)
     PetscCall(EstimateCreate(&self->leg[GrowWholeModel(self)], &self->estimate));
   PetscCall(GrowSensitivitiesCreate(self, output, restart));
   PetscCall(OptionsRefuseUnread());
+  PetscCall(SceneChangesCheck(self->scene));
+  UserCheck(!self->sensitivities || !self->scene->changes, self->scene->comm,
+            "-sensitivity: is not known of a run in which something is changed; take it, or "
+            "-change_file, out");
   PetscCall(ObserverCreate(self->scene, &self->observer));
   if (begun)
     PetscCall(GoOn(self, restart, &state, output));

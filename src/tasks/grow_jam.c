@@ -86,6 +86,7 @@ PetscBool GrowCrawls(Grow *self) {
    Nor can a run that goes on from where another one ended. */
 PetscBool GrowFindsNoWay(const Grow *self) {
   return (PetscBool)(!self->stopped && self->start == 0 && GotFirm(&self->scene->contact) &&
+                     !(self->scene->changes && self->scene->changes->done) &&
                      (self->crawls || (self->reason < 0 && !GrowPressedHard(self))));
 }
 

@@ -128,6 +128,10 @@ PetscReal GrowBaseForce(const Observation *seen);
 PetscErrorCode GrowEnd(Grow *self, PetscBool finished);
 PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
 
+/* grow_changes.c */
+PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);
+PetscErrorCode GrowStepOn(Grow *self, PetscReal until);
+
 /* grow_errors.c */
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
 void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);

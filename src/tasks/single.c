@@ -85,6 +85,8 @@ static PetscErrorCode CheckStraight(Scene scene) {
   UserCheck(scene->load.radius == 0 || !turned, scene->comm,
             "-friction_radius: twist that friction holds depends on how it came about; -task "
             "critical and stability know twist without it; take it out");
+  UserCheck(!scene->changes, scene->comm, "-change_file: %s that nothing changes; take it out",
+            about);
   UserCheck(!scene->tip.path, scene->comm,
             "-tip_path: %s whose tip stays where it is held; take it out", about);
   UserCheck(!TipPoints(&scene->tip) || scene->tip.torque == 0 || scene->space.spin == 0,

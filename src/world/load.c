@@ -42,6 +42,7 @@ PetscErrorCode LoadSetFromOptions(Load *load) {
   load->viscous = 1 - load->friction.mu;
   PetscCall(OptionReal("-friction_across", &load->across, NULL));
   PetscCall(ReadField(load));
+  load->factor = 1;
   load->turns = (PetscBool)(load->across != 1);
   load->moves = (PetscBool)(load->field != NULL);
   load->varied = (PetscBool)(load->turns || load->moves);
@@ -72,6 +73,13 @@ void LoadSetWeight(Load *load, const PetscReal weight[3]) {
   load->plain = (PetscBool)(load->plain && !load->weighs);
 }
 
+/* LoadSetFactor - multiplies all friction along the rod, and across it. */
+void LoadSetFactor(Load *load, PetscReal factor) {
+  load->factor = factor;
+  load->varied = PETSC_TRUE;
+  load->plain = PETSC_FALSE;
+}
+
 PetscErrorCode LoadDestroy(Load *load) {
   PetscFunctionBegin;
   PetscCall(FieldDestroy(&load->field));
@@ -83,18 +91,19 @@ PetscReal LoadFactor(const Load *load, const PetscReal x[3], PetscReal t, PetscR
   PetscReal lab[3], by[3], factor;
 
   for (int d = 0; d < 3; d++) slope[d] = 0;
-  if (!load->field) return 1;
+  if (!load->field) return load->factor;
   for (int d = 0; d < 3; d++) lab[d] = Dot3(load->lab[d], x);
   FieldAt(load->field, lab, t, &factor, by);
   for (int d = 0; d < 3; d++)
-    slope[d] = load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2];
-  return factor;
+    slope[d] = load->factor *
+               (load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2]);
+  return load->factor * factor;
 }
 
 /* LoadForceVaried - f <- N M f. */
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]) {
   const PetscReal *q = at->q;
-  PetscReal slope[3], N = load->moves ? LoadFactor(load, at->x, at->t, slope) : 1,
+  PetscReal slope[3], N = load->moves ? LoadFactor(load, at->x, at->t, slope) : load->factor,
                       along = q[0] * f[0] + q[1] * f[1], across = q[0] * f[1] - q[1] * f[0];
 
   across *= load->across;
@@ -109,8 +118,8 @@ void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]) {
 */
 void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope) {
   const PetscReal *q = at->q, perp[2] = {-at->q[1], at->q[0]}, a = load->across;
-  PetscReal by[3] = {0}, N = load->moves ? LoadFactor(load, at->x, at->t, by) : 1, f[2], along,
-            across;
+  PetscReal by[3] = {0}, N = load->moves ? LoadFactor(load, at->x, at->t, by) : load->factor, f[2],
+            along, across;
 
   for (int c = 0; c < 2; c++) {
     along = N * (q[0] * slope->v[0][c] + q[1] * slope->v[1][c]);

@@ -17,7 +17,8 @@
 typedef struct {
   Friction friction;
   PetscReal across;       /* a */
-  Field field;            /* N; NULL: 1 */
+  Field field;            /* N over factor; NULL: 1 */
+  PetscReal factor;       /* 1 but where a run has changed it */
   const Contact *walls;   /* NULL: none; borrowed */
   PetscReal weight[3];    /* force per length, in the clamp's frame */
   PetscReal radius;       /* at which friction feels the spin of a rod in space; 0: it does not */
@@ -67,6 +68,7 @@ PetscBool LoadMaySlip(const Load *load);
 PetscBool LoadSharesMost(const Load *load);
 void LoadSetWalls(Load *load, const Contact *contact);
 void LoadSetWeight(Load *load, const PetscReal weight[3]);
+void LoadSetFactor(Load *load, PetscReal factor);
 PetscErrorCode LoadDestroy(Load *load);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]);

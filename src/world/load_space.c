@@ -3,8 +3,8 @@
 
 /* f <- N M f, and the couple */
 static void Vary(const Load *load, const Place *at, PetscReal f[RUBS]) {
-  PetscReal by[3], N = load->field ? LoadFactor(load, at->x, at->t, by) : 1, a = load->across,
-                   more = (1 - a) * Dot3(at->q, f);
+  PetscReal by[3], N = load->field ? LoadFactor(load, at->x, at->t, by) : load->factor,
+                   a = load->across, more = (1 - a) * Dot3(at->q, f);
 
   for (int d = 0; d < 3; d++) f[d] = N * (a * f[d] + more * at->q[d]);
   f[SPIN] *= N;
@@ -81,8 +81,8 @@ void LoadSeen3(const Load *load, const Place *at, PetscReal f[RUBS]) {
 /* dN M f: by W, as friction feels it, by q and by x. */
 static void SlopeVaried(const Load *load, const Place *at, const PetscReal W[RUBS],
                         const FrictionDual4 *dual, LoadSlope3 *slope) {
-  PetscReal by[3] = {0}, N = load->field ? LoadFactor(load, at->x, at->t, by) : 1, a = load->across,
-            f[RUBS], along;
+  PetscReal by[3] = {0}, N = load->field ? LoadFactor(load, at->x, at->t, by) : load->factor,
+            a = load->across, f[RUBS], along;
 
   for (int c = 0; c < RUBS; c++) {
     along = (1 - a) *

@@ -177,6 +177,66 @@ PetscErrorCode MotionDestroy(SurfaceMotion *motion) {
   PetscFunctionBegin;
   for (int d = 0; d < 3; d++) PetscCall(ScheduleDestroy(&motion->place[d]));
   PetscCall(ScheduleDestroy(&motion->turn));
+  PetscCall(PetscFree(motion->row));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode AddRow(SurfaceMotion *motion, PetscReal t, const PetscReal x[3]) {
+  PetscInt *n = &motion->rows;
+
+  PetscFunctionBegin;
+  while (*n && motion->row[*n - 1][0] >= t) (*n)--; /* it does not get there any more */
+  if (*n % 64 == 0 || !motion->row)
+    PetscCall(PetscRealloc((size_t)(*n + 64) * sizeof(*motion->row), &motion->row));
+  motion->row[*n][0] = t;
+  for (int d = 0; d < 3; d++) motion->row[*n][1 + d] = x[d];
+  (*n)++;
+  PetscFunctionReturn(0);
+}
+
+/* The rows up to now of what moved as its line says. */
+static PetscErrorCode RowsSoFar(SurfaceMotion *motion, PetscReal t) {
+  Schedule any = NULL;
+  PetscReal x[3], at, value;
+
+  PetscFunctionBegin;
+  for (int d = 0; d < 3 && !any; d++) any = motion->place[d];
+  for (PetscInt k = 0; any && k < ScheduleRows(any); k++) {
+    ScheduleGetRow(any, k, &at, &value);
+    if (at >= t) break;
+    MotionShift(motion, at, x);
+    PetscCall(AddRow(motion, at, x));
+  }
+  if (any || t <= 0) PetscFunctionReturn(0);
+  MotionShift(motion, 0, x);
+  PetscCall(AddRow(motion, 0, x));
+  PetscFunctionReturn(0);
+}
+
+/*
+  MotionLeadTo - from t on it is led on, from where it is and as fast as it moves, to a displacement
+  at which it comes to rest, and turns no more than it does.
+
+  by  the time when it is there; t: it is put there at once
+  x   the displacement since t = 0
+*/
+PetscErrorCode MotionLeadTo(SurfaceMotion *motion, PetscReal t, PetscReal by,
+                            const PetscReal x[3]) {
+  const PetscReal moment = 1e-9 * (1 + t); /* of a row behind another */
+  PetscReal is[3], rate[3];
+
+  PetscFunctionBegin;
+  MotionShift(motion, t, is);
+  MotionVelocity(motion, t, rate);
+  if (!motion->lead[0].on) PetscCall(RowsSoFar(motion, t));
+  PetscCall(AddRow(motion, t, is));
+  PetscCall(AddRow(motion, by > t ? by : t + moment, x));
+  for (int d = 0; d < 3; d++)
+    if (by > t)
+      LeadTo(&motion->lead[d], t, is[d], rate[d], by, x[d]);
+    else
+      LeadTo(&motion->lead[d], t, x[d], 0, t, x[d]);
+  motion->any = motion->led = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
 
@@ -236,7 +296,13 @@ PetscErrorCode MotionText(const SurfaceMotion *motion, char **text) {
 
   PetscFunctionBegin;
   PetscCall(Add(&said, ""));
-  if (motion->led) {
+  if (motion->rows) {
+    PetscCall(Add(&said, " moves at"));
+    for (PetscInt k = 0; k < motion->rows; k++) {
+      PetscCall(Add(&said, " %.17g", (double)motion->row[k][0]));
+      PetscCall(AddThree(&said, motion->row[k] + 1));
+    }
+  } else if (motion->led) {
     PetscCall(Add(&said, " moves at"));
     PetscCall(AddRows(&said, 3, motion->place));
   } else if (v[0] != 0 || v[1] != 0 || v[2] != 0) {
@@ -262,13 +328,19 @@ PetscErrorCode MotionText(const SurfaceMotion *motion, char **text) {
 
 /* MotionLed - how far it has been carried along since t = 0, as given in time. */
 void MotionLed(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]) {
-  for (int d = 0; d < 3; d++) shift[d] = motion->place[d] ? ScheduleValue(motion->place[d], t) : 0;
+  for (int d = 0; d < 3; d++)
+    if (motion->lead[d].on)
+      shift[d] = LeadValue(&motion->lead[d], t);
+    else
+      shift[d] = motion->place[d] ? ScheduleValue(motion->place[d], t) : 0;
 }
 
 /* MotionVelocity - how fast it is carried along. */
 void MotionVelocity(const SurfaceMotion *motion, PetscReal t, PetscReal velocity[3]) {
   for (int d = 0; d < 3; d++)
-    if (motion->led)
+    if (motion->lead[d].on)
+      velocity[d] = LeadRate(&motion->lead[d], t);
+    else if (motion->led)
       velocity[d] = motion->place[d] ? ScheduleRate(motion->place[d], t) : 0;
     else
       velocity[d] = motion->velocity[d];
@@ -282,7 +354,8 @@ PetscReal MotionRate(const SurfaceMotion *motion, PetscReal t) {
 /* MotionJerks - does it set out or stop at once between two times? */
 PetscBool MotionJerks(const SurfaceMotion *motion, PetscReal t0, PetscReal t1) {
   for (int d = 0; d < 3; d++)
-    if (motion->place[d] && ScheduleJerks(motion->place[d], t0, t1)) return PETSC_TRUE;
+    if (motion->place[d] && !motion->lead[d].on && ScheduleJerks(motion->place[d], t0, t1))
+      return PETSC_TRUE;
   return (PetscBool)(motion->turn && ScheduleJerks(motion->turn, t0, t1));
 }
 
@@ -292,6 +365,9 @@ PetscReal MotionNextTurn(const SurfaceMotion *motion, PetscReal t) {
   PetscReal next = motion->turn ? ScheduleNextTurn(motion->turn, t) : PETSC_MAX_REAL;
 
   for (int d = 0; d < 3; d++)
-    if (motion->place[d]) next = SmallerOf(next, ScheduleNextTurn(motion->place[d], t));
+    if (motion->lead[d].on)
+      next = SmallerOf(next, LeadNextTurn(&motion->lead[d], t));
+    else if (motion->place[d])
+      next = SmallerOf(next, ScheduleNextTurn(motion->place[d], t));
   return next;
 }

@@ -3,6 +3,7 @@
 #ifndef TENDRIL_MOTION_H
 #define TENDRIL_MOTION_H
 
+#include "base/lead.h"
 #include "base/schedule.h"
 
 typedef struct {
@@ -11,12 +12,16 @@ typedef struct {
   PetscBool led;     /* it is carried along as given in time: */
   Schedule place[3]; /* along x1, x2, x3; NULL: not at all */
   Schedule turn;     /* NULL: at that rate */
+  Lead lead[3];      /* in the place of the others, from a time in the run on; not on: not at all */
+  PetscInt rows;     /* where it was, is and will be by that: t, x1, x2, x3, for who draws it */
+  PetscReal (*row)[4];
 } SurfaceMotion;
 
 PetscBool MotionWord(const char *word);
 PetscErrorCode MotionTake(const char *file, int line, PetscInt *n, char *word[],
                           SurfaceMotion *motion);
 PetscErrorCode MotionDestroy(SurfaceMotion *motion);
+PetscErrorCode MotionLeadTo(SurfaceMotion *motion, PetscReal t, PetscReal by, const PetscReal x[3]);
 PetscErrorCode MotionText(const SurfaceMotion *motion, char **text);
 void MotionLed(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]);
 void MotionVelocity(const SurfaceMotion *motion, PetscReal t, PetscReal velocity[3]);

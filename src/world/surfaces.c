@@ -195,6 +195,26 @@ PetscErrorCode SurfacesIndex(Surfaces *self) {
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode DropIndex(Surfaces *self) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree(self->view));
+  PetscCall(BlocksDestroy(&self->near));
+  PetscCall(BlocksDestroy(&self->near_ridges));
+  PetscCall(PetscFree(self->ridge));
+  PetscCall(PetscFree2(self->placed, self->open));
+  self->opens = self->ridges = self->far_ridges = 0;
+  PetscFunctionReturn(0);
+}
+
+/* SurfacesIndexAnew - the same again, where what moves has changed; nothing is known any more of
+   what was seen. Not collective. */
+PetscErrorCode SurfacesIndexAnew(Surfaces *self) {
+  PetscFunctionBegin;
+  PetscCall(DropIndex(self));
+  PetscCall(SurfacesIndex(self));
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode SurfacesDestroy(Surfaces *self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
@@ -206,13 +226,9 @@ PetscErrorCode SurfacesDestroy(Surfaces *self) {
     PetscCall(MotionDestroy(&surface->motion));
     PetscCall(PetscFree(surface->text));
   }
-  PetscCall(PetscFree(self->view));
-  PetscCall(BlocksDestroy(&self->near));
-  PetscCall(BlocksDestroy(&self->near_ridges));
-  PetscCall(PetscFree(self->ridge));
-  PetscCall(PetscFree2(self->placed, self->open));
+  PetscCall(DropIndex(self));
   PetscCall(PetscFree(self->surface));
-  self->n = self->room = self->opens = self->ridges = self->far_ridges = 0;
+  self->n = self->room = 0;
   PetscFunctionReturn(0);
 }
 
@@ -271,6 +287,19 @@ static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const voi
     for (int d = 0; d < 3; d++) point->bend[d][c] = part[d];
   }
   return PETSC_TRUE;
+}
+
+/* SurfaceShifted - how far a place would be from a surface that is displaced by so much at t. */
+PetscReal SurfaceShifted(const Surface *surface, PetscReal t, const PetscReal shift[3],
+                         const PetscReal x[3]) {
+  Surface moved = *surface;
+  const Surfaces one = {.n = 1, .surface = &moved, .time = t};
+  SurfacePoint point;
+
+  for (int d = 0; d < 3; d++) LeadTo(&moved.motion.lead[d], t, shift[d], 0, t, shift[d]);
+  moved.motion.any = moved.motion.led = PETSC_TRUE;
+  return MovedAt(&one, &moved, moved.data, x, PETSC_MAX_REAL, &point) ? point.distance
+                                                                      : PETSC_MAX_REAL;
 }
 
 /* SurfacesVelocity - the velocity of a surface's material at x, and its rate of turning. */

@@ -61,6 +61,7 @@ struct _Surface {
   int line;         /* of the file, where it stands */
   PetscBool hollow; /* the rod is to be in it */
   PetscReal room; /* how far a rod on its axis is from it, at the narrowest; PETSC_MAX_REAL: far */
+  PetscBool bare; /* does not say its own friction */
   PetscReal friction;
   PetscReal off; /* by so much it is farther away than given: see ContactStandOff() */
   SurfaceMotion motion;
@@ -105,6 +106,7 @@ extern const SurfaceKind surface_plane, surface_sphere, surface_cylinder, surfac
 PetscBool SurfacesKnow(PetscInt n, char *const word[]);
 PetscErrorCode SurfacesAdd(const SurfaceLine *line, PetscReal friction, Surfaces *surfaces);
 PetscErrorCode SurfacesIndex(Surfaces *surfaces);
+PetscErrorCode SurfacesIndexAnew(Surfaces *surfaces);
 PetscErrorCode SurfacesDestroy(Surfaces *surfaces);
 PetscErrorCode SurfacesText(const Surfaces *surfaces, char **text);
 PetscInt SurfacesNear(const Surfaces *surfaces, const PetscReal x[3], PetscReal within,
@@ -115,6 +117,8 @@ void SurfacesRidgesNear(const Surfaces *surfaces, const Block *place, PetscReal 
                         BlocksMeet meet, void *ctx);
 PetscBool SurfacesRidgeAt(const Surfaces *surfaces, PetscInt item, const PetscReal x[3],
                           PetscReal within, SurfacePoint *point);
+PetscReal SurfaceShifted(const Surface *surface, PetscReal t, const PetscReal shift[3],
+                         const PetscReal x[3]);
 void SurfacesVelocity(const Surfaces *surfaces, PetscInt which, const PetscReal x[3],
                       PetscReal velocity[3], PetscReal spin[3]);
 void SurfacesCarry(const Surfaces *surfaces, PetscInt which, PetscReal from, const PetscReal x[3],

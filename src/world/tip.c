@@ -1,4 +1,5 @@
 #include "world/tip.h"
+#include "base/extremes.h"
 #include "base/quaternion.h"
 #include "base/vectors.h"
 
@@ -70,6 +71,7 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load) {
   tip->resistance.across = 1;
   tip->resistance.turns = PETSC_FALSE;
   tip->resistance.field = NULL;
+  tip->resistance.factor = 1;
   tip->resistance.weighs = PETSC_FALSE;
   if (field) PetscCall(FieldFromFile("-tip_field", file, &tip->resistance.field));
   tip->resistance.moves = field;
@@ -149,10 +151,44 @@ static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
                       .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
                       .angle = tip->theta};
   if (tip->path) PathAt(tip->path, t, held);
+  for (int d = 0; d < 3; d++)
+    if (tip->lead[d].on) held->x[d] = LeadValue(&tip->lead[d], t);
+  if (tip->turned.on) held->angle = LeadValue(&tip->turned, t);
+  if (!tip->turned.on) return;
+  held->p[0] = PetscCosReal(held->angle / 2);
+  held->p[3] = PetscSinReal(held->angle / 2);
+}
+
+/* TipLeadTo - a tip that is held is led on, from where it is at t and as fast as it moves, to a
+   place in the clamp's frame, where it comes to rest at the time `by`. */
+void TipLeadTo(Tip *tip, PetscReal t, PetscReal by, const PetscReal x[3]) {
+  PathPlace held;
+
+  Held(tip, t, &held);
+  for (int d = 0; d < 3; d++)
+    LeadTo(&tip->lead[d], t, held.x[d], tip->lead[d].on ? LeadRate(&tip->lead[d], t) : 0, by, x[d]);
+}
+
+/* TipTurnTo - ... in the plane, to a direction against the clamp's. */
+void TipTurnTo(Tip *tip, PetscReal t, PetscReal by, PetscReal angle) {
+  PathPlace held;
+
+  Held(tip, t, &held);
+  LeadTo(&tip->turned, t, held.angle, tip->turned.on ? LeadRate(&tip->turned, t) : 0, by, angle);
+}
+
+/* TipNextTurn - the first time behind t at which a tip that is led sets out, stops or turns back;
+   PETSC_MAX_REAL if it does not. */
+PetscReal TipNextTurn(const Tip *tip, PetscReal t) {
+  PetscReal next = LeadNextTurn(&tip->turned, t);
+
+  for (int d = 0; d < 3; d++) next = SmallerOf(next, LeadNextTurn(&tip->lead[d], t));
+  return tip->path ? SmallerOf(next, PathNextTurn(tip->path, t)) : next;
 }
 
 /* Does a path lead it along an axis at a time? */
 static PetscBool Led(const Tip *tip, PetscReal t, int axis) {
+  if (tip->lead[axis].on) return LeadMoves(&tip->lead[axis], t);
   return (PetscBool)(tip->path && PathLeads(tip->path, t, axis));
 }
 

@@ -10,6 +10,7 @@
 #ifndef TENDRIL_TIP_H
 #define TENDRIL_TIP_H
 
+#include "base/lead.h"
 #include "world/load_space.h"
 #include "world/path.h"
 
@@ -29,6 +30,7 @@ typedef struct {
   PetscReal torque;      /* in space: about d1 of the tip, turns with it */
   PetscReal x3, p[4];    /* in space: what x and theta leave out of where it is held */
   Path path;             /* over time; NULL: it is held where it is at the start */
+  Lead lead[3], turned;  /* place and angle, as a run has changed them; not on: it has not */
   /* What tells by how much it is off is a moment and a force in the rod's units, as the other
      conditions are: the turn and the place are multiplied by these. */
   PetscReal per_turn, per_place;
@@ -66,6 +68,9 @@ void TipHeldFrame(const Tip *tip, PetscReal t, PetscReal p[4]);
 PetscReal TipHold3(const Tip *tip, const TipState *at, PetscReal seen, FrictionDual4 dual[]);
 PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const PetscReal lab[3][3],
                           PetscBool space);
+void TipLeadTo(Tip *tip, PetscReal t, PetscReal by, const PetscReal x[3]);
+void TipTurnTo(Tip *tip, PetscReal t, PetscReal by, PetscReal angle);
+PetscReal TipNextTurn(const Tip *tip, PetscReal t);
 PetscReal TipCompression(const Tip *tip, const Place *at);
 
 /* Is its direction held? */

@@ -1,4 +1,5 @@
 #include "world/walls.h"
+#include "base/text.h"
 #include <ctype.h>
 
 const char *const wall_kind[WALL_KINDS] = {"plane", "circle", "polygon", "path"};
@@ -425,14 +426,6 @@ static PetscErrorCode Malformed(const Maker *self, WallKind kind) {
   PetscFunctionReturn(0);
 }
 
-/* The words of a line, in place; returns how many. */
-static PetscInt Words(char *line, PetscInt room, char *word[]) {
-  PetscInt n = 0;
-  for (char *c = strtok(line, " \t\r\n,"); c && n < room; c = strtok(NULL, " \t\r\n,"))
-    word[n++] = c;
-  return n;
-}
-
 /* Takes `friction MU` off the end of a line's words. */
 static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
   char what[PETSC_MAX_PATH_LEN];
@@ -534,33 +527,6 @@ static PetscErrorCode ReadWall(Maker *self, PetscInt n, char *word[]) {
   PetscFunctionReturn(0);
 }
 
-/* The text of a file, on all ranks; the caller frees it. Collective. */
-static PetscErrorCode ReadText(const char *file, char **text) {
-  enum { LARGEST = 1 << 24 };
-  PetscMPIInt rank, size = -1;
-
-  PetscFunctionBegin;
-  *text = NULL;
-  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &rank));
-  if (!rank) {
-    FILE *f = fopen(file, "r");
-    if (f) {
-      PetscCall(PetscMalloc1(LARGEST + 1, text));
-      size = (PetscMPIInt)fread(*text, 1, LARGEST + 1, f);
-      if (ferror(f)) size = -1;
-      (void)fclose(f);
-    }
-  }
-  PetscCallMPI(MPI_Bcast(&size, 1, MPI_INT, 0, OptionsComm()));
-  if (size < 0 || size > LARGEST) PetscCall(PetscFree(*text));
-  UserCheck(size >= 0, OptionsComm(), "-wall_file %s: no such file, or it cannot be read", file);
-  UserCheck(size <= LARGEST, OptionsComm(), "-wall_file %s: larger than any wall", file);
-  if (rank) PetscCall(PetscMalloc1(size + 1, text));
-  PetscCallMPI(MPI_Bcast(*text, size, MPI_CHAR, 0, OptionsComm()));
-  (*text)[size] = 0;
-  PetscFunctionReturn(0);
-}
-
 /* Is a word nothing but digits? */
 static PetscBool IsWhole(const char *word) {
   return (PetscBool)(strspn(word, "0123456789") == strlen(word));
@@ -603,10 +569,13 @@ static PetscErrorCode ReadLine(Maker *self, PetscInt n, char *word[], PetscReal 
   PetscCall(RefuseSlips(self, n, word));
   if (SurfacesKnow(n, word)) {
     PetscCall(SurfacesAdd(&line, friction, surfaces));
+    surfaces->surface[surfaces->n - 1].bare = (PetscBool)!own;
     PetscFunctionReturn(0);
   }
   self->wall = &walls->wall[walls->n++];
   self->wall->friction = friction;
+  self->wall->line = self->line;
+  self->wall->bare = (PetscBool)!own;
   PetscCall(ReadWall(self, n, word));
   PetscFunctionReturn(0);
 }
@@ -632,7 +601,7 @@ static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Wal
     next = strchr(line, '\n');
     if (next) *next++ = 0;
     line[strcspn(line, "#")] = 0;
-    n = Words(line, longest + 1, word);
+    n = TextWords(line, " \t\r\n,", longest + 1, word);
     if (!n) continue;
     OptionsAtLine(self->line);
     error = ReadLine(self, n, word, friction, walls, surfaces);
@@ -687,7 +656,7 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
   char *text;
 
   PetscFunctionBegin;
-  PetscCall(ReadText(file, &text));
+  PetscCall(TextRead("-wall_file", file, &text));
   OptionsReadLines("-wall_file", file);
   error = ReadLines(&self, text, friction, walls, surfaces);
   OptionsAtLine(0);

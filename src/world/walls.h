@@ -27,7 +27,9 @@ typedef struct {
 
 typedef struct {
   WallKind kind;
+  int line;         /* of the file, where it stands */
   PetscBool inside; /* circle and polygon: the rod is inside */
+  PetscBool bare;   /* does not say its own friction */
   PetscReal friction;
   PetscReal off;  /* by so much it is farther away than given: see ContactStandOff() */
   PetscReal bend; /* of a path: radius of its axis in corners; 0: as wide as it needs */

@@ -312,22 +312,22 @@ CASES = [
     ("-wall_file {wall_radius}", "radius"),
     ("-wall_file {wall_friction}", "friction"),
     ("-wall_file {wall_friction_none}", "line 1"),
-    ("-wall_file {wall_friction_first}", "friction 0.3 0: is one number; write it behind all others"),
-    ("-wall_file {wall_friction_comma}", "friction 0,3: give one number, with a point: friction 0.3"),
-    ("-wall_file {wall_circle_moves}", "cylinder X1 X2 0 0 0 1 R outside|inside and then moves VX VY VZ"),
+    ("-wall_file {wall_friction_first}", "friction 0.3 0: is one number ... behind all others"),
+    ("-wall_file {wall_friction_comma}", "friction 0,3: ... with a point: friction 0.3"),
+    ("-wall_file {wall_circle_moves}", "cylinder X1 X2 0 0 0 1 R ... moves VX VY VZ"),
     ("-wall_file {wall_plane_turns}", "stand still"),
     *((f"-contact_diameter 0.1 -wall_file {{wall_{name}}}", words) for name, words in (
-        ("moves_few", "moves: give moves VX VY VZ"), ("moves_row", "moves at: has 4 numbers; give rows of four"),
+        ("moves_few", "moves: give moves VX VY VZ"), ("moves_row", "moves at: has 4 ... rows of four"),
         ("moves_ragged", "moves at: has 7 numbers"), ("moves_back", "moves: t must increase"),
         ("moves_word", "moves x: give a number"), ("moves_kilos", "moves 1kg: not a unit of length"),
         ("moves_twice", "moves is said twice"), ("moves_nowhere", "nowhere.csv: No such file"),
         ("moves_untimed", "untimed.csv: has no column t"), ("moves_still", "still.csv: has none of x1, x2, x3"),
-        ("moves_once", "once.csv: needs two rows"), ("moves_spins", "column spin: how a surface moves is told by t and x1, x2, x3"),
+        ("moves_once", "once.csv: needs two rows"), ("moves_spins", "column spin: ... t and x1, x2, x3"),
         ("turns_few", "turns: give turns RATE X Y Z AX AY AZ"), ("turns_file_bare", "turns: give turns RATE"),
         ("turns_axis", "turns: its axis has no direction"), ("turns_about", "about X Y Z AX AY AZ"),
-        ("turns_row", "turns at: has 2 numbers; give rows of two"), ("turns_ragged", "turns spin: has 3 numbers"),
-        ("turns_back", "turns: t must increase"), ("turns_both", "both.csv: has more than one of spin and turn"),
-        ("turns_places", "column x1: how a surface turns is told by t and spin, or t and turn"))),
+        ("turns_row", "turns at: has 2 ... rows of two"), ("turns_ragged", "turns spin: has 3 numbers"),
+        ("turns_back", "turns: t must increase"), ("turns_both", "both.csv: ... spin and turn"),
+        ("turns_places", "column x1: ... t and spin, or t and turn"))),
     ("-wall_file {wall_narrow} -contact_diameter 0.2", "narrower"),
     ("-wall_file {wall_ring} -contact_diameter 0.2", "narrower"),
     ("-wall_file {wall_negative}", "line 1"),
@@ -361,7 +361,6 @@ CASES = [
     ("-wall_file {wall_blank}", "right behind its number, 50cm"),
     ("-contact_stiffness 1e5", "-contact_stiffness"),
     ("-contact_stiffness 0 -wall_file {wall_sound}", "-contact_stiffness"),
-    ("-stop_contact", "-stop_contact"),
     ("-stop_contact", "-stop_contact"),
     ("-contact_diameter 0.1", "-contact_diameter: there is nothing to touch"),
     ("-rod_weight 0 0 -0.5", "put commas between numbers, 0,0"),
@@ -611,7 +610,7 @@ def complaints(stderr, expected, alone):
     ours = [line for line in lines if line.startswith("tendril: ")]
     if len(ours) != 1:
         yield f"{len(ours)} lines start with 'tendril: '"
-    elif expected not in ours[0]:
+    elif any(part not in ours[0] for part in expected.split(" ... ")):
         yield f"the line does not contain {expected}"
     elif len(ours[0]) > 300:
         yield "the line is too long"
@@ -712,6 +711,9 @@ def main():
             for line in stderr.splitlines()[:6]:
                 print(f"    | {line}", flush=True)
 
+    twice = [case for case in CASES if CASES.count(case) > 1]
+    if twice:
+        report("cases", ([f"stands there twice: {twice[0]}"], ""))
     with tempfile.TemporaryDirectory(prefix="tendril-") as name:
         directory = Path(name)
         files = make_files(directory, tendril)

@@ -203,6 +203,93 @@ class Changed(unittest.TestCase):
         self.assertEqual(differing(sim.series, straight.series), [])
 
 
+PLAYED = {  # options; (behind so many steps, what, its new value, of which T is that much later)
+    "fed": (dict(growth_type="feed", growth_initial_length=1, shape_amplitude=0.1, ts_max_time=1),
+            [(0, "feed_speed", "0.5"), (40, "curvature_to", "T0.2 1"), (55, "curvature_to", "T0.1 -1"),
+             (80, "friction_factor", "2"), (90, "feed_speed", "-0.5"), (110, "tip_force_vector", "0.1,0.2")]),
+    "stones": (dict(growth_type="feed", growth_initial_length=1, shape_amplitude=0.05, contact_diameter=0.1, ts_max_time=1,
+                    rod_model="space", wall_file=["cylinder 0.6 -0.6 0  0 0 1  0.5 outside friction 0.2",
+                                                  "cylinder 30 10 0  0 0 1  0.3 outside friction 0.2"]),
+               [(0, "clamp_spin", "0.3"), (15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -28.7 -9.55"),
+                (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
+    "held": (dict(growth_type="none", growth_initial_length=1, shape_amplitude=0.5, tip_type="clamped", friction_mu=0.5, ts_max_time=1),
+             [(20, "tip_to", "T0.3 0.8 0.2"), (40, "tip_to", "T0.2 0.7 0.1"), (60, "tip_turn_to", "T0.2 -0.5"), (90, "friction_mu", "0.2")]),
+}
+
+
+class Played(unittest.TestCase):
+    """What was changed in a run is a table, with which the program does the same."""
+
+    def play(self, options, wanted, file=None, behind=0):
+        """The simulation at its end, and the rows of the table; saved behind so many steps."""
+        sim, rows, n = tendril.Simulation(**options), [], 0
+        wanted = list(wanted)
+        while True:
+            while wanted and n >= wanted[0][0]:
+                _, what, value = wanted.pop(0)
+                value = " ".join(repr(sim.t + float(word[1:])) if word[0] == "T" else word for word in value.split())
+                sim.set(what, value)
+                rows.append((sim.t, what, value))
+            if n == behind and file:
+                sim.save(file)
+            if not sim.step():
+                return sim, rows
+            n += 1
+
+    def test_the_program_does_the_same(self):
+        for name, (options, wanted) in PLAYED.items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as directory:
+                options = options | dict(rod_cells=60, output_interval=0.1)
+                if "wall_file" in options:
+                    walls = Path(directory) / "walls.txt"
+                    walls.write_text("\n".join(options["wall_file"]))
+                    options["wall_file"] = str(walls)
+                file, table = os.path.join(directory, "saved.h5"), os.path.join(directory, "changes.txt")
+                sim, rows = self.play(options, wanted, file, 65)
+                Path(table).write_text("".join(f"{t!r} {what} {value}\n" for t, what, value in rows))
+                run = tendril.run(**options, change_file=table)
+                self.assertEqual(differing(sim.series, run.series), [])
+                self.assertEqual(len(run.attributes["changes"].splitlines()) if "changes" in run.attributes else 0, len(rows))
+                plain = tendril.run(**options)
+                self.assertGreater(np.abs(np.interp(0.7, plain.series["t"], plain.series["energy"]) - np.interp(0.7, run.series["t"], run.series["energy"])), 1e-6)
+                self.assertLess(np.abs(run.series["energy_defect"]).max(), 2e-4)
+                on = tendril.Simulation.load(file)  # in the midst of it
+                for t, what, value in rows:
+                    while t > on.t and on.step():
+                        pass
+                    if t >= on.t and t > tendril.load(file).series["t"][-1]:
+                        on.set(what, value)
+                on.advance()
+                self.assertEqual(differing(on.series, run.series), [])
+                Path(table).write_text("".join(f"{t!r} {what} {value}\n" for t, what, value in rows[:2]) + "0.777 ts_max_time 0.9\n")
+                within = tendril.run(**options, change_file=table)  # a step ends where no step of a run without it does
+                self.assertIn(0.777, within.series["t"])
+                self.assertEqual(within.series["t"][-1], 0.9)
+
+    def test_what_it_does(self):
+        (fed, _), (stones, _), (held, _) = (self.play(options | dict(rod_cells=60), wanted) for options, wanted in PLAYED.values())
+        self.assertAlmostEqual(np.diff(fed.series["length"])[-1] / np.diff(fed.series["t"])[-1], -0.5, delta=1e-9)
+        np.testing.assert_allclose(held.x[-1], [0.7, 0.1], atol=1e-9)
+        self.assertAlmostEqual(held.theta[-1], -0.5, delta=1e-9)
+        self.assertGreater(stones.series["wall_power"].max(), 0)
+
+    def test_what_is_refused(self):
+        options, _ = PLAYED["stones"]
+        sim = tendril.Simulation(**options | dict(rod_cells=60))
+        for name, value, line in (("wall_to", "3 1 0 0", "no wall in this line"), ("wall_to", "1 -1 0 0", "already"),
+                                  ("wall_to", "1 1", "give LINE T X1 X2 X3"), ("wall_at", "2 -29.4 -10", "the rod is there"),
+                                  ("tip_to", "1 1 0", "the tip is free"), ("friction_factor", "0", "0.001"),
+                                  ("feed_speed", "fast", "give a number")):
+            with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
+                sim.set(name, value)
+        for text, line in (("1 rod_cells 5", "cannot be changed in a run"), ("1 tip_to 2 1 0", "the tip is free"), ("tip_force", "give a time"),
+                           ("2 tip_force 1\n1 tip_force 2", "must not decrease"), ("# none", "no change in it")):
+            with self.subTest(text), tempfile.TemporaryDirectory() as directory, self.assertRaisesRegex(tendril.RunError, line):
+                table = os.path.join(directory, "changes.txt")
+                Path(table).write_text(text + "\n")
+                tendril.run(**options | dict(rod_cells=60), change_file=table)
+
+
 class Saved(unittest.TestCase):
     def test_to_the_last_digit_and_of_a_stored_time(self):
         for scene in ("feed", "cable-conduit"):

@@ -740,12 +740,9 @@ class Residuals(unittest.TestCase):
         def named(ends):
             return doubts.causes_named(doubts.most_likely(ends, 0.8))
 
-        self.assertEqual(named([turn, scale, clock]), "likeliest causes, which these data do not tell "
-                         "apart: a clock (residuals fall to 51 % with it); or a scale (residuals fall to 52 % with it).")
-        self.assertEqual(named([turn, scale, clock._replace(ratio=0.005)]),
-                         "likeliest cause: a clock (residuals fall to 0.5 % with it).")
-        self.assertEqual(named([turn, scale]), "likeliest cause: a scale (residuals fall to 52 % with it). What is left may as "
-                         "well be the scene's, a law that it leaves out.")
+        self.assertRegex(named([turn, scale, clock]), r"^likeliest causes, .*: a clock \(.* 51 % .*\); or a scale \(.* 52 % .*\)\.$")
+        self.assertRegex(named([turn, scale, clock._replace(ratio=0.005)]), r"^likeliest cause: a clock \(.* 0\.5 % .*\)\.$")
+        self.assertRegex(named([turn, scale]), r"^likeliest cause: a scale \(.* 52 % .*\)\. .*a law that it leaves out")
         self.assertEqual(named([turn]), "")
         self.assertEqual(named([]), "")
         self.assertEqual(doubts.most_likely([turn._replace(law=True)], 0.6, bad=True), [])
@@ -1688,10 +1685,10 @@ class Fitting(unittest.TestCase):
         self.assertRegex(said.getvalue(), "^fit: /none/x: there is no directory /none; make it.*\n$")
         with contextlib.redirect_stderr(io.StringIO()) as said:
             self.assertEqual(fit_command.main([str(TUBE), str(data)]), 1)
-        self.assertEqual(said.getvalue(), "fit: give what to look for, --parameter si_friction_dry=0.1N/m:2N/m\n")
+        self.assertRegex(said.getvalue(), "^fit: .* --parameter si_friction_dry=0.1N/m:2N/m\n$")
         with contextlib.redirect_stderr(io.StringIO()) as said:
             self.assertEqual(fit_command.main([str(TUBE), str(data), "-p", "tip_force", "1:2"]), 1)
-        self.assertEqual(said.getvalue(), "fit: --parameter tip_force 1:2: give name and bounds in one, tip_force=LOW:HIGH\n")
+        self.assertRegex(said.getvalue(), "^fit: --parameter tip_force 1:2: .*tip_force=LOW:HIGH\n$")
         for words, word in (([TUBE, data, {"si_friction_dry": ("0.2N/m", "2N/m")}], "wdth is no series"),
                             ([TUBE, data, "si_friction_dry=0.2N/m:2N/m"], "give parameters by name"),
                             ([TUBE, data, {"si_frction_dry": (1, 2)}], "unknown option"),

@@ -714,7 +714,7 @@ class Package(unittest.TestCase):
             for k in (1, 2):
                 with h5py.File(self.place / place / f"a=1__b=2__c={k}.h5", "w") as file:
                     file.attrs["finished"], file["series/width"] = int(k == done), [0.5]
-            with self.assertRaisesRegex(ValueError, "several runs are at a .*, of c; map a sweep over two options"):
+            with self.assertRaisesRegex(ValueError, "several runs are at a .*, of c; .*two options"):
                 map.of_directory(self.place / place, ["a", "b"], "width", False)
 
     def test_three_lines(self):

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import PAGE, Held
-from scene import broken, check, distance, DRY, expect, file, read, Run, tendril, walls
+from scene import DRY, Run, broken, check, distance, expect, file, read, tendril, walls
 
 import h5py
 import numpy as np

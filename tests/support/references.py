@@ -3,7 +3,7 @@
 import json
 
 import numpy as np
-from scene import distance, DRY, expect, file, ROOT, Run
+from scene import DRY, ROOT, Run, distance, expect, file
 
 SAG = "-shape_amplitude 0.1 -growth_initial_length "
 SMOOTH = DRY + "-friction_beta 0.05 "                   # no thin friction layers

@@ -105,6 +105,16 @@ def lagrange(times, values):
                for i in range(len(times)))
 
 
+def errors(options, cells, fine):
+    """Of tip, norm and energy at the end, for each number of cells, against a finer run."""
+    result = {"tip_x2": [], "norm_x2": [], "energy": []}
+    for n in cells:
+        r = Run(f"{options} -rod_cells {n}")
+        for k in result:
+            result[k].append(abs(r.series[k][-1] / fine.series[k][-1] - 1))
+    return result
+
+
 def order(errors, halvings=1):
     """From the finest pair."""
     return np.log2(errors[-2] / errors[-1]) / halvings

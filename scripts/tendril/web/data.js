@@ -8,11 +8,6 @@ const state = { t: 0, lab: data.lab, playing: false, dragged: null };
 const PLAY_SECONDS = 12, DASHES = [[], [6, 3], [2, 2], [8, 3, 2, 3]];
 const ARROW_SHARE = 1 / 12;  // of the picture's width: the strongest friction, or contact
 
-function floats(text) {
-  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  return new Float32Array(bytes.buffer);
-}
-
 function unpack(run) {
   run.shown = true;
   for (const table of [run.series, run.shapes])
@@ -28,18 +23,6 @@ const withUnit = (text, unit) => (named(unit) ? `${text} (${named(unit)})` : tex
 // the longest arrow of all runs, "drag" or "press", in the unit that is shown; each run has it in its own
 const strongest = (kind) => Math.max(...data.runs.map((run) => run[kind] * factor(run, "N"))) || 1;
 const lastTime = () => Math.max(...data.runs.map((run) => run.end * factor(run, "l/V")));
-
-function number(v) {
-  if (!Number.isFinite(v)) return "–";
-  const size = Math.abs(v);
-  return size === 0 ? "0" : size >= 1e-3 && size < 1e5 ? String(+v.toPrecision(4)) : v.toExponential(2);
-}
-
-function tick(v) {
-  const size = Math.abs(v);
-  return v === null ? "" : size === 0 || (size >= 1e-3 && size < 1e5) ? String(+v.toPrecision(6))
-    : v.toExponential().replace("e+", "e");
-}
 
 // The last index whose value is not above t, and how far t is on the way to the next.
 function locate(values, t) {

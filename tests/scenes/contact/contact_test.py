@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene import broken, check, distance, expect, file, pressed, read, Run, tendril, walls
+from scene import Run, broken, check, distance, expect, file, pressed, read, tendril, walls
 
 import h5py
 import numpy as np
@@ -794,6 +794,22 @@ def errors_in_contact_are_measured_on_any_mesh_and_ranks():
 
 
 @check
+def the_reason_of_an_error_is_what_came_just_before_it():
+    """A rod that is fed against a plane and pulled off it again: errors are largest as it touches, as it lets go, and of dry
+    friction that turns round, long behind the touch, by the steps."""
+    path = Path(scene.SCRATCH) / "path.csv"
+    path.write_text("t,length\n0,0.5\n2,2.5\n4,1\n")
+    pulled = ("-growth_type feed -shape_type straight -rod_curvature 0.1 -contact_diameter 0.1 -rod_cells 60 -ts_max_time 4 "
+              f"-growth_path {path} " + walls("plane 2 0 -1 0.2"))
+    for friction, reasons in (("", (b"a touch", b"time", b"time")),
+                              ("-friction_mu 0 -friction_layers 0:0.3", (b"a touch", b"it lets go", b"it lets go"))):
+        r = Run(f"{pulled} {friction}")
+        found = tuple(r.told[f"why_{name}"] for name in ("energy", "norm_x2", "tip"))
+        print(f"{friction or 'dry'}: {found} at {[float(r.told[f'when_{name}']) for name in ('energy', 'norm_x2', 'tip')]}")
+        expect(found == reasons, f"{friction}: {found}, not {reasons}")
+
+
+@check
 def a_tip_that_turns_on_a_wall_is_that_of_friction_next_to_exact():
     """Exact Coulomb friction, a tip that is pressed against a wall and turns there, as friction next to
     exact has it."""
@@ -1179,6 +1195,8 @@ def contact_does_not_depend_on_the_end_asked_for():
     accuracy is asked, in the plane and in space."""
     for name, options in (
             ("thread", "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.05 -shape_type straight " + walls("plane 2 0 -1 0")),
+            ("drag", "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.05 -shape_type straight -friction_layers 0:5 "
+             + walls("plane 2 0 -1 0")),
             ("post", "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.05 -shape_type straight " + walls("circle 2.2 0.1 0.05 outside")),
             ("accuracy", "-growth_type feed -growth_initial_length 0.5 -rod_curvature 0.05 -shape_type straight -contact_diameter 0.1 "
              "-accuracy 1e-3 -rod_cells 60 " + walls("plane 2 0 -1 0")),

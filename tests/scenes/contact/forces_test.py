@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from contact_test import COIL
-from scene import check, expect, Run, tendril, walls
+from scene import Run, check, expect, tendril, walls
 
 import h5py
 import numpy as np

@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from scene import broken, check, expect, Run, tendril, walls
+from scene import Run, broken, check, expect, tendril, walls
 
 import h5py
 import numpy as np

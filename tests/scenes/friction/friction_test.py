@@ -7,8 +7,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from references import against_reference, DECAY, expect_reference, REFERENCES, SMOOTH
-from scene import check, DRY, expect, Failure, lagrange, order, ROOT, Run, tip_in_space
+from references import DECAY, REFERENCES, SMOOTH, against_reference, expect_reference
+from scene import DRY, ROOT, Failure, Run, check, distance, errors, expect, lagrange, order, tip_in_space
 
 import h5py
 import numpy as np
@@ -273,16 +273,6 @@ def what_is_seen_has_no_seam_between_the_models():
 def the_mixed_model_meets_the_references():
     for name in REFERENCES:
         expect_reference(name, "-rod_model mixed -rod_cells 2000 -ts_rtol 1e-6", 1e-3)
-
-
-def errors(options, cells, fine):
-    """Of tip, norm and energy at the end, for each number of cells, against a finer run."""
-    result = {"tip_x2": [], "norm_x2": [], "energy": []}
-    for n in cells:
-        r = Run(f"{options} -rod_cells {n}")
-        for k in result:
-            result[k].append(abs(r.series[k][-1] / fine.series[k][-1] - 1))
-    return result
 
 
 @check
@@ -599,7 +589,7 @@ def what_comes_and_goes_within_a_step_is_seen():
         "-friction_field": (lambda r, since: r.norm_x2[-1], lambda t: still + "-friction_beta 0 -rod_weight 0,-0.5 -friction_field "
                             f"{h5(t, 'factor', -0.9, {'x1': [0.0], 'x2': [0.0]})}")}
     for name, (seen, options) in scenes.items():
-        early, late = (Run(options(at + np.array([0, 0.01, 0.02])) + " -ts_max_time 10") for at in (0.03, 4.99))
+        early, late = (Run(options(at + np.array([0, 0.01, 0.02])) + " -ts_max_time 10 -rod_cells 60") for at in (0.03, 4.99))
         seen = seen(early, 0.02), seen(late, 4)
         print(f"{name}: {early.steps}, {late.steps} steps, {seen}")
         # (how far a path goes is met to the last digits where a step ends; a spline's rows are not where it is highest)
@@ -679,12 +669,25 @@ def a_deflection_whose_square_is_no_number_is_followed():
         expect(gone.estimate >= 1, f"{model}: |x2| {gone.norm_x2[-1]:.2e}, estimate {gone.estimate:.1e}")
 
 
+SHORTER = {  # scenes of options/ that take longest, and how they are run to an end
+    "injected-tube": "-rod_cells 150 -ts_max_time 20", "duct-bends": "-ts_max_time 1",
+    "injected-spun": "-rod_cells 40 -ts_max_time 2", "cable-conduit": "-ts_max_time 3",
+    "packing": "-ts_max_time 16", "twisted-rod": "-rod_cells 400", "root-gel": "-rod_cells 60 -ts_max_time 4",
+    "vine-maze": "-rod_cells 60 -contact_stiffness 1e5 -ts_max_time 2.2",
+    "vessel-branch": "-rod_cells 60 -ts_max_time 2",
+    "tube-heap": "-rod_cells 40 -ts_max_time 3"
+}
+
+
 @check
 def each_scene_of_options_runs():
-    """Each scene in options/ runs for a few steps as it stands, or as a small problem of its task."""
+    """Each scene in options/ of another task runs as a small problem of it, and each that grows and is run to its end in another
+    way, as it stands for a few steps."""
     small = {"stability": "-stability_points 3 -stability_vertices 60", "critical": "-rod_cells 60"}
     for file in sorted((ROOT / "options").glob("*.opts")):
         task = task_of(file)
+        if task == "grow" and file.stem not in SHORTER:
+            continue
         r = Run(f"-options_file {file} {small.get(task, '-ts_max_time 0.01')}", group=task)
         if task == "grow":
             expect(r.t[-1] == 0.01, f"{file.name}: ends at {r.t[-1]}")
@@ -694,15 +697,9 @@ def each_scene_of_options_runs():
 @check(parts=3)
 def energy_is_balanced_in_the_scenes_of_options(part):
     """Each scene of options/ that grows, to its end, but for those that take longest: every third."""
-    shorter = {"injected-tube": "-rod_cells 150 -ts_max_time 20", "duct-bends": "-ts_max_time 1",
-               "injected-spun": "-rod_cells 40 -ts_max_time 2", "cable-conduit": "-ts_max_time 3",
-               "packing": "-ts_max_time 16", "twisted-rod": "-rod_cells 400", "root-gel": "-rod_cells 60 -ts_max_time 4",
-               "vine-maze": "-rod_cells 60 -contact_stiffness 1e5 -ts_max_time 2.2",
-               "vessel-branch": "-rod_cells 60 -ts_max_time 2",
-               "tube-heap": "-rod_cells 40 -ts_max_time 3"}
     growing = [file for file in sorted((ROOT / "options").glob("*.opts")) if task_of(file) == "grow"]
     for file in growing[part::3]:
-        r = Run(f"-options_file {file} {shorter.get(file.stem, '')}")
+        r = Run(f"-options_file {file} {SHORTER.get(file.stem, '')}")
         defect = r.energy_defect[r.t > 0.01].max()
         print(f"{file.name}: {r.steps} steps, energy defect {defect:.1e}")
         expect(defect < 1e-3, f"{file.name}: energy defect {defect:.1e}")

@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 sys.path.insert(1, str(Path(__file__).resolve().parents[3] / "scripts/lab"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from scene import check, expect, Run, tendril
+from scene import Run, check, expect, tendril
 
 import fuzz_critical
 import h5py

@@ -10,8 +10,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from references import bowl, expect_references, field, SAG, stiffness
-from scene import broken, check, distance, expect, file, order, Run, tendril
+from references import SAG, bowl, expect_references, field, stiffness
+from scene import Run, broken, check, distance, errors, expect, file, order, tendril
 
 import h5py
 import numpy as np
@@ -406,7 +406,7 @@ SMOOTH = ("-ts_bdf_factor 0 -friction_beta 0.05 -ts_max_time 1 -ts_bdf_order 2 -
 
 def expect_order(what, options, more, cells, should, high, fine):
     """Of tip, norm and energy together; all take the same steps, whose error is shared."""
-    e = np.sum(list(scene.errors(options + more, cells, fine).values()), axis=0)
+    e = np.sum(list(errors(options + more, cells, fine).values()), axis=0)
     print(f"{what} {more}: errors {e[0]:.1e} {e[1]:.1e}, order {order(e):.2f}")
     expect(should - 0.3 < order(e) < high, f"{what} {more}: order {order(e):.2f}, {e}")
 
@@ -572,7 +572,7 @@ def a_rod_held_less_across_snaps_by_a_viscous_share():
                     "-shape_seed 880 -rod_curvature 0.102 -friction_across 0.2 -friction_beta 4.91e-7 -ts_max_time 1.37",
                     "-growth_initial_length 2.43 -tip_force 0.281 -rod_curvature -0.0335 -shape_type random "
                     "-shape_amplitude 0.0539 -shape_seed 68 -ts_max_time 1.89 -friction_across 0.0757"):
-        r, more, less = (Run(f"{options} -friction_mu {mu}") for mu in (1, .998, .999))
+        r, more, less = (Run(f"{options} -rod_cells 100 -friction_mu {mu}") for mu in (1, .998, .999))
         limit = 2 * less.tip - more.tip
         off = distance(r.tip, limit)
         print(f"{options}: {r.steps} steps, off the limit by {off:.1e}, estimated {r.estimate:.1e}")

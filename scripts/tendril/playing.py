@@ -1,0 +1,258 @@
+"""A scene that is run live: its options as a table, its walls by line, what may be changed in it, and how what was
+changed becomes a scene file again."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .errors import TendrilError
+from .runs import rows_of, scene_file, words_of
+
+FILES = ("wall_file", "growth_path", "growth_table", "friction_field", "tip_field", "tip_path", "clamp_path",
+         "rod_stiffness_file", "rod_curvature_file", "shape_file", "change_file")
+OF_PROGRAM = ("output", "task", "quiet", "restart", "sweep_file", "sensitivity")  # none of a run by steps
+MOVES = ("sphere", "cylinder", "cone", "torus", "tube", "body")  # with plane, if it has six numbers
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+
+
+@dataclass
+class Wall:
+    """A line of a wall file."""
+
+    line: int
+    words: list[str]
+
+    @property
+    def kind(self):
+        return self.words[0]
+
+    @property
+    def numbers(self):
+        """The words behind the kind up to the first that says how it moves or rubs."""
+        found = []
+        for word in self.words[1:]:
+            if word in ("friction", "moves", "turns", "radius"):
+                break
+            if word not in ("inside", "outside"):
+                found.append(word)
+        return found
+
+    @property
+    def in_space(self):
+        return self.kind in MOVES or self.kind == "plane" and len(self.numbers) >= 6
+
+    @property
+    def friction(self):
+        where = [k for k, word in enumerate(self.words[:-1]) if word == "friction"]
+        return float(self.words[where[-1] + 1]) if where and NUMBER.fullmatch(self.words[where[-1] + 1]) else None
+
+
+@dataclass
+class Played:
+    """What a live run begins with.
+
+    name     of the scene
+    options  by name, as they are given; files with whole paths
+    walls    the lines of its wall file"""
+
+    name: str
+    options: dict[str, str]
+    walls: list[Wall] = field(default_factory=list)
+    posts: list[int] = field(default_factory=list)  # lines of those that wait to be put somewhere
+
+    @property
+    def feeds(self):
+        return self.options.get("growth_type", "uniform") == "feed"
+
+    @property
+    def held(self):
+        return self.options.get("tip_type", "free")
+
+    def number(self, name, usual):
+        """The number of an option that has no unit, or the usual one."""
+        text = self.options.get(name, "")
+        return float(text) if NUMBER.fullmatch(text) else usual
+
+
+def taken(file) -> dict[str, str]:
+    """The options of an options file, those of files it names in their place."""
+    found = {}
+    for row in rows_of(file):
+        name, value = row[0].lstrip("-"), (row[1] if len(row) > 1 else "true").strip("'\"")
+        beside = Path(file).resolve().parent / value
+        if name in FILES or name == "options_file":
+            value = str(beside if beside.exists() else Path(value).resolve())
+        if name == "options_file":
+            found |= taken(value)
+        else:
+            found[name] = value
+    return found
+
+
+def walls_in(path) -> list[Wall]:
+    lines = Path(path).read_text(errors="replace").splitlines()
+    split = [line.partition("#")[0].replace(",", " ").split() for line in lines]
+    return [Wall(k, words) for k, words in enumerate(split, 1) if words]
+
+
+def movable(walls, options) -> list[str] | None:
+    """The lines of a wall file in which stones of the plane, circles from outside, are posts in space, which can be moved;
+    None if nothing is to be rewritten: there is none, or what else stands there has no like in space."""
+    if not any(wall.kind == "circle" and "outside" in wall.words for wall in walls):
+        return None
+    if options.get("rod_model", "frame") not in ("frame", "auto", "space") or any(wall.kind in ("polygon", "path") for wall in walls):
+        return None
+    lines = [""] * max(wall.line for wall in walls)
+    for wall in walls:
+        words = list(wall.words)
+        if wall.kind == "circle" and "outside" in words:
+            x, y, r = wall.numbers[:3]
+            rest = words[words.index("friction"):] if "friction" in words else []
+            words = ["cylinder", x, y, "0", "0", "0", "1", r, "outside", *rest]
+        elif wall.kind == "plane" and not wall.in_space:
+            x, y, nx, ny = wall.numbers[:4]
+            rest = words[words.index("friction"):] if "friction" in words else []
+            words = ["plane", x, y, "0", nx, ny, "0", *rest]
+        lines[wall.line - 1] = " ".join(words)
+    return lines
+
+
+def pairs(options, directory):
+    """Options by name as text; arrays and walls are files in the directory."""
+    words = words_of(options, directory)
+    return {name.lstrip("-"): value for name, value in zip(words[::2], words[1::2])}
+
+
+def prepare(scene, options, directory, move=True, posts=0) -> Played:
+    """A scene, as for tendril.run(), as it is run live; files that are made are in the directory.
+
+    move   stones of the plane become posts in space, which can be moved
+    posts  so many more stand far away, to be put somewhere"""
+    directory = Path(directory)
+    found = {} if scene is None else pairs(scene, directory) if isinstance(scene, dict) else taken(scene_file(scene))
+    found |= pairs(options, directory)
+    if found.get("task", "grow") != "grow":
+        raise TendrilError(f"live: -task {found['task']} has nothing that runs; give a scene that grows")
+    for name in OF_PROGRAM:
+        found.pop(name, None)
+    for name in FILES:
+        if name in found:
+            found[name] = str(Path(found[name]).resolve())
+    name = Path(scene).stem if isinstance(scene, (str, Path)) else "mine"
+    played = Played(name, found)
+    if "wall_file" in found:
+        if not Path(found["wall_file"]).is_file():
+            raise TendrilError(f"wall_file {found['wall_file']}: is not there")
+        played.walls = walls_in(found["wall_file"])
+    add_posts(played, directory, move, posts)
+    return played
+
+
+def add_posts(played, directory, move, posts):
+    """Makes the stones movable, and adds those to be put somewhere."""
+    lines = movable(played.walls, played.options) if move or posts else None
+    if lines is None and posts and played.walls and all(wall.in_space for wall in played.walls):
+        lines = Path(played.options["wall_file"]).read_text().splitlines()
+    if lines is None:
+        return
+    radius = max(played.number("contact_diameter", 0.1), 1e-6)
+    played.posts = list(range(len(lines) + 1, len(lines) + posts + 1))
+    for k in range(posts):
+        lines.append(f"cylinder {1000 + 10 * k} 1000 0  0 0 1  {2 * radius:.6g} outside")
+    file = Path(directory) / "walls.txt"
+    file.write_text("\n".join(lines) + "\n")
+    played.options["wall_file"] = str(file)
+    played.options["rod_model"] = "space"
+    played.walls = walls_in(file)
+
+
+def controls(played, space) -> list[dict]:
+    """What may be changed in a run of this scene: as the page offers it. of: what it means; kind: how it is given."""
+    get, found = played.options.get, []
+
+    def add(name, label, value, low, high, unit="1", of=None, **more):
+        found.append({"name": name, "label": label, "value": value, "low": low, "high": high, "unit": unit, "of": of or name} | more)
+
+    if played.feeds and "growth_path" not in played.options:
+        add("feed_speed", "speed of feeding", 1.0, -2, 2, "V", keys=True)
+    add("friction_factor", "friction, times", 1.0, 0.1, 10, log=True)
+    mu = played.number("friction_mu", 1)
+    if 0 < mu <= 0.999:
+        add("friction_mu", "dry share of friction", mu, 0, 0.999)
+    if played.held == "free":
+        if get("tip_law", "dead") == "resistance":
+            add("tip_force", "resistance to the tip", played.number("tip_force", 0), 0, 5, "N l")
+        else:
+            add("tip_force", "force against the tip", played.number("tip_force", 0), -5, 5, "N l")
+        if space:
+            add("tip_torque", "torque on the tip", played.number("tip_torque", 0), -2, 2, "N l^2")
+    add("curvature_to", "natural curvature", played.number("rod_curvature", 0), -3, 3, "1/l", leads=True)
+    if space:
+        add("curvature_2_to", "natural bend out of the plane", played.number("rod_curvature_2", 0), -3, 3, "1/l", leads=True)
+        add("twist_to", "natural twist", played.number("rod_twist", 0), -3, 3, "1/l", leads=True)
+        if get("clamp_type", "held") != "free" and "clamp_path" not in played.options:
+            add("clamp_spin", "spin of the clamp", played.number("clamp_spin", 0), -3, 3, "rad V/l", keys=True)
+    rub = any((wall.friction or 0) > 0 for wall in played.walls) or played.number("contact_friction", 0) > 0
+    for wall in played.walls if rub else []:
+        usual = wall.friction if wall.friction is not None else played.number("contact_friction", 0)
+        add(f"wall_friction {wall.line}", f"friction of wall {wall.line}, a {wall.kind}", usual, 0, 1, of="wall_friction")
+    if played.held == "clamped" and not space and "tip_path" not in played.options:
+        add("tip_turn_to", "direction of the tip", 0.0, -3.2, 3.2, "rad", leads=True)
+    return found
+
+
+def may_lead_tip(played):
+    return played.held in ("pinned", "clamped") and "tip_path" not in played.options
+
+
+# ---- what was done, as a scene file ----
+
+
+def names_file(words, folder):
+    """Files that stand in a line of a wall file, beside it."""
+    return [word for word in words if not NUMBER.fullmatch(word) and (folder / word).is_file()]
+
+
+def copied(path, to) -> str:
+    """The name of a copy of a file in a directory, and of what a wall file names there."""
+    path, to = Path(path), Path(to)
+    name = path.name
+    if (to / name).exists() and (to / name).read_bytes() != path.read_bytes():
+        name = f"{to.name}-{name}"
+    shutil.copyfile(path, to / name)
+    return name
+
+
+def save_scene(played, changes, directory, name, said="") -> Path:
+    """Writes NAME.opts, what it names, and the table of what was changed, [(t, what, value), ...], into a directory of its own,
+    which may be moved: tendril -options_file NAME.opts gives the run again."""
+    to = Path(directory) / name
+    to.mkdir(parents=True, exist_ok=True)
+    lines = [f"# {line}".rstrip() for line in said.splitlines()]
+    for option, value in played.options.items():
+        if option == "change_file":
+            continue
+        if option == "wall_file":
+            folder = Path(value).parent
+            for wall in played.walls:
+                for inner in names_file(wall.words[1:], folder):
+                    shutil.copyfile(folder / inner, to / Path(inner).name)
+            text = Path(value).read_text()
+            for wall in played.walls:
+                for inner in names_file(wall.words[1:], folder):
+                    text = text.replace(inner, Path(inner).name)
+            value = "walls.txt"
+            (to / value).write_text(text)
+        elif option in FILES:
+            value = copied(value, to)
+        lines.append(f"-{option} {value}".rstrip())
+    if changes:
+        rows = "".join(f"{t!r} {what} {value}\n" for t, what, value in changes)
+        (to / "changes.txt").write_text("# t, what was changed, to what (docs/live.md)\n" + rows)
+        lines.append("-change_file changes.txt")
+    file = to / f"{name}.opts"
+    file.write_text("\n".join(lines) + "\n")
+    return file

@@ -1,0 +1,691 @@
+"""A run that is touched while it goes on: a simulation in a thread of its own, what was changed in it, and the branches that
+it has. It knows nothing of who looks at it: what there is to see goes to a function."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections import deque
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .errors import RunError, TendrilError
+from .playing import Played, controls, may_lead_tip, save_scene
+from .simulation import BY_WORDS, Simulation
+
+KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
+UNHURRIED = 20  # seconds that a run takes at first, if it can
+FRAMES = 240  # of a branch that are kept, to be looked at
+TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
+SLOW = 0.7  # seconds: a step that takes longer is told
+FAST = 30  # times the speed of growing: a place as fast snaps
+
+
+@dataclass
+class Branch:
+    """A run from its beginning. Of what it shares with its parent it keeps nothing: changes are those since it parted."""
+
+    number: int
+    parent: Branch | None = None
+    since: float = 0.0  # when it parted
+    changes: list = field(default_factory=list)  # (t, what, value)
+    kept: list = field(default_factory=list)  # (t, file): states to go back to
+    rows: list = field(default_factory=list)  # of the series, all of them from the beginning
+    frames: list = field(default_factory=list)  # (t, frame), from the beginning
+    happened: list = field(default_factory=list)  # (t, text)
+    ended: str = ""
+
+    def all_changes(self, until=np.inf):
+        """From the beginning, those in force at a time."""
+        before = self.parent.all_changes(self.since) if self.parent else []
+        return [c for c in before + self.changes if c[0] <= until]
+
+    def states(self, until):
+        """Kept states up to a time, (t, file, how many changes were in force), the latest first."""
+        own = [k for k in self.kept if k[0] <= until]
+        before = self.parent.states(min(until, self.since)) if self.parent else []
+        return sorted(own + before, key=lambda k: -k[0])
+
+
+class Session:
+    """One run with its branches. Commands come by do(), from any thread; `publish` is called, in the run's own thread, with
+    what has become of it."""
+
+    def __init__(self, played: Played, directory, publish=lambda message: None, results="."):
+        self.played, self.directory, self.publish = played, Path(directory), publish
+        self.results = Path(results)
+        self.commands: queue.Queue = queue.Queue()
+        self.running, self.closing = False, False
+        self.written: dict[str, Path] = {}  # the files that a page may fetch
+        self.branches: list[Branch] = []
+        self.sim = Simulation(**played.options)
+        self.setup = self.begun()
+        self.end = float(self.setup.attributes.get("parameters/ts_max_time", 40))
+        self.pace = self.end / UNHURRIED
+        self.names = list(self.sim.series)
+        self.space = self.sim.space
+        self.branch = Branch(0)
+        self.branches.append(self.branch)
+        self.controls = controls(played, self.space)
+        self.values = {c["name"]: c["value"] for c in self.controls}
+        self.shifts = {wall.line: [0.0, 0.0, 0.0] for wall in played.walls}
+        self.hand = [0.0, 0.0, 0.0]
+        self.computing, self.busy_since, self.keeping = 0.0, None, 0.0
+        self.rates = deque(maxlen=400)  # (when, iterations)
+        self.usual_step = None
+        self.before = None  # nodes of the step before
+        self.told_error = 0.0
+        self.lock = threading.RLock()
+        self.look()
+        self.thread = threading.Thread(target=self.loop, name="tendril live", daemon=True)
+
+    # ---- the thread ----
+
+    def scene(self):
+        """What a page must know of the run as a whole."""
+        from .page import charts_of, plain
+        from .pictures import name_of, symbol_of
+        from .units import in_laboratory, laboratory_units
+
+        r = self.setup
+        units = laboratory_units([r])
+        return {"kind": "scene", "name": self.played.name, "space": self.space, "flat": self.flat(), "controls": self.controls,
+                "walls": drawn_walls(self), "diameter": float(r.diameter), "leads": may_lead_tip(self.played),
+                "pulls": self.played.held == "free", "posts": len(self.played.posts), "charts": charts_of([r]),
+                "labels": {n: plain(name_of(n)) for n in self.names}, "symbols": {n: plain(symbol_of(n)) for n in self.names},
+                "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
+                "units": {unit: name for unit, (name, _) in units.items()},
+                "options": "\n".join(f"-{k} {v}" for k, v in self.played.options.items()), "to": None}
+
+    def flat(self):
+        """Does a rod in space stay in the plane of x1 and x2, as far as its scene says? It is then drawn in it."""
+        get = self.played.options.get
+        out = ("rod_curvature_2", "rod_twist", "clamp_spin", "clamp_direction", "clamp_path", "tip_torque", "shape_turn", "rod_curvature_random_2")
+        upright = all(not wall.in_space or wall.kind == "cylinder" and wall.numbers[3:6] == ["0", "0", "1"] or
+                      wall.kind == "plane" and wall.numbers[5:6] == ["0"] for wall in self.played.walls)
+        weight = get("rod_weight", "0,0").split(",")
+        return not self.space or upright and not any(name in self.played.options for name in out) and (len(weight) < 3 or weight[2] == "0")
+
+    def begin(self):
+        self.thread.start()
+        return self
+
+    def do(self, command: dict):
+        self.commands.put(command)
+
+    def close(self, wait=20.0):
+        """Ends it, behind the step that is under way; what it has is saved by who asks for that before."""
+        self.closing = True
+        self.commands.put({"do": "nothing"})
+        if self.thread.is_alive():
+            self.thread.join(wait)
+
+    def loop(self):
+        began, t0 = time.monotonic(), self.sim.t
+        while not self.closing:
+            wait = self.wait(began, t0)
+            try:
+                command = self.commands.get(timeout=wait) if wait is None or wait > 0 else self.commands.get_nowait()
+            except queue.Empty:
+                command = None
+            if command is not None:
+                self.obey(command)
+                began, t0 = time.monotonic(), self.sim.t
+                continue
+            if self.running:
+                self.step()
+
+    def wait(self, began, t0):
+        """Seconds until the next step is due; None: there is none before a command comes."""
+        if not self.running or self.branch.ended:
+            return None
+        if self.pace is None:
+            return 0
+        return max(0.0, (self.sim.t - t0) / self.pace - (time.monotonic() - began))
+
+    def obey(self, command):
+        """One command; what is wrong with it is told to who gave it, and changes nothing."""
+        action = getattr(self, f"do_{command.get('do')}", None)
+        try:
+            if action is None:
+                raise TendrilError(f"{command.get('do')}: is nothing that a run can do")
+            answer = action(command)
+        except (TendrilError, OSError, ValueError, TypeError, KeyError, IndexError) as fault:
+            self.publish({"kind": "refused", "command": command, "text": str(fault) or type(fault).__name__, "to": command.get("from")})
+            return
+        if answer:
+            self.publish({"kind": "done", "text": answer, "to": None})
+        self.publish(self.state())
+
+    # ---- what it can do ----
+
+    def do_nothing(self, command):
+        pass
+
+    def do_run(self, command):
+        if not self.branch.ended:
+            self.running = True
+
+    def do_pause(self, command):
+        self.running = False
+
+    def do_step(self, command):
+        self.running = False
+        self.step()
+
+    def do_pace(self, command):
+        pace = command.get("pace")
+        if pace is not None and not 0 < float(pace) < 1e9:
+            raise TendrilError("pace: give units of time a second, above 0")
+        self.pace = None if pace is None else float(pace)
+
+    def do_set(self, command):
+        """A control: its name on the page, and a number."""
+        name = str(command["name"])
+        control = next((c for c in self.controls if c["name"] == name), None)
+        if control is None:
+            raise TendrilError(f"{name[:60]}: cannot be changed in this run")
+        value = number_of(command["value"], control["label"])
+        if control.get("leads"):
+            self.change(control["of"], f"{self.soon()!r} {value!r}")
+        elif " " in name:
+            self.change(control["of"], f"{name.split()[1]} {value!r}")
+        else:
+            self.change(name, repr(value))
+        self.values[name] = value
+
+    def do_hand(self, command):
+        """A force on a free tip, as one pulls it."""
+        if self.played.held != "free":
+            raise TendrilError("the tip is held: it is led, not pulled")
+        force = [number_of(f, "force") for f in command["force"]][:3] + [0.0] * (3 - len(command["force"]))
+        if not self.space:
+            force = force[:2]
+        size = float(np.linalg.norm(force))
+        most = 50.0
+        force = [f * min(1, most / size) if size else 0.0 for f in force]
+        self.change("tip_force_vector", ",".join(repr(f) for f in force))
+        self.hand = [*force, 0.0][:3]
+
+    def do_lead(self, command):
+        """A held tip to a place."""
+        if not may_lead_tip(self.played):
+            raise TendrilError("the tip of this run cannot be led")
+        place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
+        self.change("tip_to", " ".join([repr(self.soon()), *map(repr, place)]))
+
+    def do_wall(self, command):
+        """A wall to a displacement; at once: it is put there."""
+        wall = self.wall(command)
+        if not wall.in_space:
+            raise TendrilError(f"wall {wall.line}, a {wall.kind}, stands still; only surfaces in space move")
+        shift = [number_of(x, "displacement") for x in command["shift"]]
+        shift = (shift + [0.0] * 3)[:3]
+        words = list(map(repr, shift))
+        if command.get("at_once"):
+            self.change("wall_at", " ".join([str(wall.line), *words]))
+        else:
+            self.change("wall_to", " ".join([str(wall.line), repr(self.soon()), *words]))
+        self.shifts[wall.line] = shift
+
+    def do_post(self, command):
+        """Puts one of the posts that wait somewhere."""
+        x = [number_of(v, "place") for v in command["place"]][:2]
+        for wall in self.played.walls:
+            if wall.line in self.played.posts and not any(self.shifts[wall.line]):
+                at = [x[0] - float(wall.numbers[0]), x[1] - float(wall.numbers[1]), 0.0]
+                return self.do_wall({"line": wall.line, "shift": at, "at_once": True})
+        raise TendrilError("no post is left; begin with more (--posts)")
+
+    def do_back(self, command):
+        """To an earlier time: a new branch parts there."""
+        self.part(number_of(command["t"], "time"), self.which(command))
+
+    def do_undo(self, command):
+        """Back to before the latest change of this branch."""
+        changes = self.branch.all_changes()
+        if not changes:
+            raise TendrilError("nothing was changed")
+        last = changes[-1][0]
+        self.part(last, self.branch, but=[c for c in changes if c[0] < last] + [c for c in changes if c[0] == last][:-1])
+        return f"undone: {changes[-1][1]} {changes[-1][2]}"
+
+    def do_branch(self, command):
+        """To the end of another branch, where it was left."""
+        branch = self.which(command)
+        self.running = False
+        self.go_to(branch, branch.rows[-1][0] if branch.rows else 0.0, branch.all_changes())
+        self.branch = branch
+        self.publish(self.whole())
+
+    def do_save(self, command):
+        kinds = command.get("what", ["scene"])
+        return "; ".join(self.save(str(kind)) for kind in kinds)
+
+    # ---- inside ----
+
+    def wall(self, command):
+        for wall in self.played.walls:
+            if wall.line == command["line"]:
+                return wall
+        raise TendrilError("there is no such wall")
+
+    def which(self, command):
+        number = command.get("branch", self.branch.number)
+        for branch in self.branches:
+            if branch.number == number:
+                return branch
+        raise TendrilError("there is no such branch")
+
+    def begun(self):
+        """The run as it begins, as a result: units, walls and all options in force."""
+        from .loading import load
+
+        file = self.directory / "begun.h5"
+        self.sim.save(file)
+        return load(file)
+
+    def soon(self):
+        """When what is led is to be there."""
+        pace = self.pace if self.pace else self.end / 20
+        return self.sim.t + max(TOUCH * pace, 1e-6 * self.end)
+
+    def change(self, what, value):
+        with self.lock:
+            self.sim.set(what, value if what in BY_WORDS or "," in value else float(value))
+            self.branch.changes.append((self.sim.t, what, value))
+            self.branch.ended = ""
+        self.usual_step = None
+        self.look()
+
+    def step(self):
+        if self.branch.ended:
+            return
+        self.busy_since = time.monotonic()
+        try:
+            with self.lock:
+                going = self.sim.step()
+        except TendrilError as fault:
+            going = False
+            self.branch.ended = str(fault)
+            self.happened("gave up: " + str(fault))
+        took = time.monotonic() - self.busy_since
+        self.busy_since = None
+        self.computing += took
+        if not going:
+            self.branch.ended = self.branch.ended or "it is at its end"
+            self.running = False
+            self.publish(self.state())
+            return
+        self.look(took)
+        self.keep()
+
+    def keep(self):
+        """A state to go back to, where that costs next to nothing beside the steps since the last."""
+        if self.keeping > KEEP_AT_MOST * self.computing or self.computing - getattr(self, "kept_at", 0.0) < 1.0:
+            return
+        begin = time.monotonic()
+        file = self.directory / f"state-{self.branch.number}-{len(self.branch.kept)}.h5"
+        with self.lock:
+            self.sim.save(file)
+        self.branch.kept.append((self.sim.t, file))
+        self.keeping += time.monotonic() - begin
+        self.kept_at = self.computing
+
+    def part(self, t, branch, but=None):
+        """A branch from a time of another; `but`: with these changes alone."""
+        if not 0 <= t <= (branch.rows[-1][0] if branch.rows else 0) * (1 + 1e-12):
+            raise TendrilError(f"t = {t:g}: this branch has not been there")
+        self.running = False
+        times = np.array([row[0] for row in branch.rows])
+        t = float(times[np.searchsorted(times, t * (1 + 1e-14), side="right") - 1])  # a step ended there
+        changes = branch.all_changes(t) if but is None else but
+        new = Branch(1 + max(b.number for b in self.branches), branch, t)
+        if but is not None:  # it shares less than all up to there
+            new.parent, new.since, new.changes = None, 0.0, list(but)
+        self.go_to(branch, t, changes)
+        now = self.sim.t
+        new.rows = [row for row in branch.rows if row[0] <= now]
+        new.frames = [frame for frame in branch.frames if frame[0] <= now]
+        new.happened = [what for what in branch.happened if what[0] <= now]
+        self.branches.append(new)
+        self.branch = new
+        self.look(new=False)
+        self.publish(self.whole())
+
+    def go_to(self, branch, t, changes):
+        """The simulation at a time at which a step of this branch ended, with these changes."""
+        state = next((k for k in branch.states(t) if not any(c[0] <= k[0] for c in branch.all_changes() if c not in changes)), None)
+        with self.lock:
+            self.sim = None
+            self.sim = Simulation.load(state[1]) if state else Simulation(**self.played.options)
+            done = [c for c in changes if state and c[0] < state[0]]
+            left = [c for c in changes if not state or c[0] >= state[0]]
+            if state:  # those of its own time may be in it
+                count = sum(1 for line in saved_changes(state[1]))
+                left = changes[count:]
+                done = changes[:count]
+            while True:
+                while left and left[0][0] <= self.sim.t * (1 + 1e-13):
+                    _, what, value = left.pop(0)
+                    self.sim.set(what, value if what in BY_WORDS or "," in value else float(value))
+                if self.sim.t >= t * (1 - 1e-13) or not self.sim.step():
+                    break
+        self.before = None
+        self.replay_values(done + changes)
+
+    def replay_values(self, changes):
+        """What controls and walls show, from the changes in force."""
+        self.values = {c["name"]: c["value"] for c in self.controls}
+        self.shifts = {wall.line: [0.0, 0.0, 0.0] for wall in self.played.walls}
+        self.hand = [0.0, 0.0, 0.0]
+        for _, what, value in changes:
+            words = value.split()
+            if what in ("wall_to", "wall_at"):
+                self.shifts[int(words[0])] = [float(x) for x in words[2 if what == "wall_to" else 1:]] + [0.0] * (5 - len(words) if what == "wall_to" else 4 - len(words))
+            elif what == "tip_force_vector":
+                self.hand = ([float(x) for x in value.split(",")] + [0.0])[:3]
+            elif what == "wall_friction":
+                self.values[f"wall_friction {words[0]}"] = float(words[1])
+            elif what in self.values:
+                self.values[what] = float(words[-1])
+
+    # ---- looking ----
+
+    def look(self, took=0.0, new=True):
+        """What there is to see now, to who looks."""
+        with self.lock:
+            sim = self.sim
+            row = [float(sim.series[name][-1]) for name in self.names]
+            frame = frame_of(sim, self.before)
+            self.before = sim.nodes
+        t = row[self.names.index("t")]
+        if new:
+            if not self.branch.rows or self.branch.rows[-1][0] < t:
+                self.note(row, took)
+                self.branch.rows.append(row)
+            self.keep_frame(t, frame)
+        self.rates.append((time.monotonic(), row[self.names.index("newton_iterations")]))
+        self.publish({"kind": "frame", "t": t, "row": row, "frame": frame, "took": took, "branch": self.branch.number,
+                      "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "to": None})
+
+    def keep_frame(self, t, frame):
+        frames = self.branch.frames
+        frames.append((t, frame))
+        if len(frames) > 2 * FRAMES:  # evenly thinned in time
+            wanted = np.linspace(0, t, FRAMES)
+            times = np.array([f[0] for f in frames])
+            keep = np.unique(np.clip(np.searchsorted(times, wanted), 0, len(frames) - 1))
+            self.branch.frames = [frames[k] for k in keep]
+
+    def walls_now(self, t):
+        """How far each wall is displaced, by line."""
+        return {str(line): shift for line, shift in shifts_at(self.branch.all_changes(), t).items()}
+
+    def speed(self):
+        """(steps, iterations) a second, of the last two seconds."""
+        now = time.monotonic()
+        recent = [(when, n) for when, n in self.rates if when > now - 2]
+        if len(recent) < 2:
+            return [0.0, 0.0]
+        over = max(now - recent[0][0], 1e-3)
+        return [len(recent) / over, sum(n for _, n in recent) / over]
+
+    def happened(self, text):
+        t = self.branch.rows[-1][0] if self.branch.rows else 0.0
+        self.branch.happened.append((t, text))
+        self.publish({"kind": "happened", "t": t, "text": text, "branch": self.branch.number, "to": None})
+
+    def note(self, row, took):
+        """Names what happens in a step, and why it was slow."""
+        at = dict(zip(self.names, row))
+        last = dict(zip(self.names, self.branch.rows[-1])) if self.branch.rows else {}
+        if last:
+            if at.get("contacts", 0) > 0 and not last.get("contacts", 0):
+                self.happened("it touches")
+            if last.get("contacts", 0) > 0 and not at.get("contacts", 0):
+                self.happened("it lets go")
+            if at.get("self_crossings", 0) > last.get("self_crossings", 0):
+                self.happened("it crosses itself")
+            fast = max(at.get("tip_speed", 0), at.get("mid_speed", 0)) > FAST
+            if fast and not self.snapping(last):
+                self.happened("it snaps")
+        if took > SLOW:
+            self.happened(f"a step took {took:.1f} s: {self.why(at, last)}")
+        self.usual_step = at.get("step")
+
+    @staticmethod
+    def snapping(at):
+        return max(at.get("tip_speed", 0), at.get("mid_speed", 0)) > FAST
+
+    def why(self, at, last):
+        """In words, why a step was slow."""
+        if self.snapping(at):
+            return "the rod snaps, and is followed as it does"
+        if last and at.get("contacts", 0) != last.get("contacts", 0):
+            return "what touches changes"
+        if last and at.get("step", 0) < 1e-3 * last.get("step", 0):
+            return "steps got shorter: it may be about to give way, or is jammed"
+        if at.get("newton_iterations", 0) > 15:
+            return f"{int(at['newton_iterations'])} iterations: contact or friction changes all along the rod"
+        return "there are many cells, or far parts of the rod touch each other"
+
+    def state(self):
+        return {"kind": "state", "running": self.running, "pace": self.pace, "end": self.end, "values": self.values,
+                "branch": self.branch.number, "ended": self.branch.ended, "to": None, "written": sorted(self.written),
+                "branches": [{"number": b.number, "parent": b.parent.number if b.parent else None, "since": b.since,
+                              "t": b.rows[-1][0] if b.rows else 0.0, "changes": len(b.all_changes())} for b in self.branches],
+                "changes": [list(c) for c in self.branch.all_changes()][-200:], "t": self.branch.rows[-1][0] if self.branch.rows else 0.0}
+
+    def whole(self):
+        """All there is of the present branch, for a page that has just come."""
+        rows = self.branch.rows
+        step = max(1, len(rows) // 3000)
+        shown = rows[::step] + ([rows[-1]] if rows and (len(rows) - 1) % step else [])
+        return {"kind": "whole", "names": self.names, "rows": shown, "frames": [[t, f] for t, f in self.branch.frames],
+                "happened": [list(h) for h in self.branch.happened], "walls": self.walls_now(self.branch.rows[-1][0] if rows else 0.0),
+                "hand": self.hand, "to": None} | {k: v for k, v in self.state().items() if k not in ("kind", "to")}
+
+    # ---- writing ----
+
+    def save(self, kind):
+        name = f"{self.played.name}-played"
+        self.results.mkdir(parents=True, exist_ok=True)
+        if kind == "scene":
+            return self.save_played(name)
+        file = self.results / f"{name}.h5"
+        with self.lock:
+            self.sim.save(file)
+        self.written[file.name] = file
+        if kind == "result":
+            return f"{file} holds the run so far; it can be gone on with (-restart)"
+        from .loading import load
+
+        r = load(file)
+        if kind == "picture":
+            from .pictures import plot
+
+            to = self.results / f"{name}.png"
+            plot(r).savefig(to, dpi=150)
+        elif kind == "film":
+            from .films import animate
+
+            to = self.results / f"{name}.gif"
+            animate(r, output=to)
+        elif kind == "page":
+            from .page import view
+
+            to = view(r, self.results / f"{name}.html")
+        else:
+            raise TendrilError(f"{kind[:40]}: give scene, result, picture, film or page")
+        self.written[to.name] = to
+        return f"{to} is written"
+
+    def save_played(self, name):
+        changes = self.branch.all_changes()
+        said = f"{self.played.name}, as it was played: {len(changes)} changes (docs/live.md)"
+        file = save_scene(self.played, changes, self.results, name, said)
+        self.written[file.name] = file
+        if (file.parent / "changes.txt").exists():
+            self.written["changes.txt"] = file.parent / "changes.txt"
+        rows = [list(row) for row in self.branch.rows]
+        threading.Thread(target=self.check, args=(file, rows), daemon=True, name="tendril check").start()
+        return f"{file} is written; the program is run with it to compare"
+
+    def check(self, file, rows):
+        """Runs the program with the saved scene, and tells by how much it differs."""
+        try:
+            off, name = differs(file, self.names, rows, self.directory)
+            text = f"checked: tendril -options_file {file.name} gives the same run, to {off:.1e}" + (f" ({name})" if off else "") \
+                if off <= 1e-8 else f"the run of {file.name} differs by {off:.1e} ({name}): say so to the authors"
+        except (TendrilError, OSError) as fault:
+            text = f"{file.name} could not be checked: {fault}"
+        self.publish({"kind": "done", "text": text, "to": None})
+
+
+def differs(file, names, rows, directory):
+    """(largest relative difference of any series, its name) of the program's run of a scene to rows of series."""
+    from .runs import execute, executable
+    from .loading import load
+
+    output = Path(directory) / f"check-{time.monotonic_ns()}.h5"
+    try:
+        execute([executable(), "-options_file", str(file), "-output", str(output), "-output_shapes", "1", "-quiet",
+                 "-ts_max_steps", str(max(len(rows) - 1, 1))])
+    except RunError:
+        if not output.exists():
+            raise
+    series = load(output).series
+    n = min(len(rows), len(series["t"]))
+    table, worst = np.array(rows[:n]), (0.0, "")
+    if n < len(rows) and n < 2:
+        raise TendrilError("it has no steps")
+    for k, name in enumerate(names):
+        if name in series:
+            size = np.abs(table[:, k]).max() or 1.0
+            worst = max(worst, (float(np.abs(table[:, k] - series[name][:n]).max() / size), name))
+    output.unlink(missing_ok=True)
+    return worst if n == len(rows) else (np.inf, f"{n} steps of {len(rows)}")
+
+
+def drawn_walls(session):
+    """Of each wall its line and kind, and what is drawn of it: in the plane a circle, or rings and lines; in space a mesh."""
+    from .solids import solids
+    from .walls import parse, solid
+
+    r, walls = session.setup, session.played.walls
+    lines = str(r.attributes.get("walls", "") or "").strip().splitlines()
+    order = [w for w in walls if not w.in_space] + [w for w in walls if w.in_space]
+    reach = max(float(r.shapes.x.max()), 1.0) + 1.1 * session.end
+    found = []
+    for wall, line in zip(order, lines):
+        words = line.split()
+        one = {"line": wall.line, "kind": wall.kind, "moves": wall.in_space, "inside": "inside" in words}
+        numbers = [float(w) for w in words[1:8] if w not in ("inside", "outside", "friction") and not w[:1].isalpha()]
+        if wall.kind == "circle":
+            one |= {"circle": numbers[:3]}
+        elif wall.kind == "cylinder" and abs(numbers[5]) > 0.999:
+            one |= {"circle": [numbers[0], numbers[1], numbers[6]]}
+        elif wall.kind == "sphere":
+            one |= {"circle": [numbers[0], numbers[1], numbers[3]], "height": numbers[2]}
+        elif not wall.in_space or wall.kind == "plane" and len(numbers) >= 6 and numbers[5] == 0:
+            text = line if not wall.in_space else "plane {} {} {} {} friction 0".format(*numbers[:2], *numbers[3:5])
+            body, edges = solid(parse(text)[0], (-reach, reach, -reach, reach))
+            one |= {"rings": [np.ravel(ring).tolist() for ring in (body.to_polygons(closed_only=False) if body else [])],
+                    "lines": [np.ravel(edge).tolist() for edge in edges]}
+        if session.space and not session.flat():
+            r.attributes["walls"] = line
+            for surface in solids(r):
+                one |= {"vertices": np.round(np.ravel(surface.vertices), 5).tolist()[:60000], "lines3": [np.round(np.ravel(edge), 5).tolist() for edge in surface.lines],
+                        "triangles": np.ravel(surface.triangles).tolist()[:120000]}
+        found.append(one)
+    r.attributes["walls"] = "\n".join(lines)
+    return found
+
+
+def saved_changes(file):
+    """The lines of what was changed in the run of a result file."""
+    import h5py
+
+    with h5py.File(file, "r", locking=False) as f:
+        if "changes" not in f:
+            return []
+        text = f["changes"][()]
+        return (text.decode() if isinstance(text, bytes) else str(text)).strip().splitlines()
+
+
+def shifts_at(changes, t):
+    """By line, how far walls are displaced at a time: as the library leads them."""
+    found = {}
+    for begin, what, value in changes:
+        if what not in ("wall_to", "wall_at") or begin > t:
+            continue
+        words = value.split()
+        line = int(words[0])
+        x = np.array([float(v) for v in words[2 if what == "wall_to" else 1:]] + [0.0])[:3]
+        x = np.pad(x, (0, 3 - len(x)))
+        lead = found.get(line)
+        at, rate = led(lead, begin) if lead else (np.zeros(3), np.zeros(3))
+        found[line] = (begin, float(words[1]), at, rate, x) if what == "wall_to" else (begin, begin, x, 0 * x, x)
+    return {line: led(lead, t)[0].tolist() for line, lead in found.items()}
+
+
+def led(lead, t):
+    """(where, how fast) of what is led, (from when, to when, from where, how fast then, to where)."""
+    t0, t1, a, v, b = lead
+    if t >= t1:
+        return b, 0 * b
+    h, z = t1 - t0, (t - t0) / (t1 - t0)
+    y = 1 - z
+    return (1 + 2 * z) * y * y * a + z * z * (3 - 2 * z) * b + h * z * y * y * v, 6 * z * y * (b - a) / h + y * (1 - 3 * z) * v
+
+
+def number_of(value, what):
+    """A finite number, or a refusal that names it."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TendrilError(f"{what}: {str(value)[:40]!r} is no number") from None
+    if not np.isfinite(number):
+        raise TendrilError(f"{what}: give a finite number")
+    return number
+
+
+MOST_NODES, PIECES = 301, 28
+
+
+def frame_of(sim, before=None):
+    """What is drawn of a rod: places, and what colours it along the nodes; friction and contact as arrows."""
+    nodes = sim.nodes
+    keep = np.unique(np.linspace(0, len(nodes) - 1, min(len(nodes), MOST_NODES)).round().astype(int))
+    x, force = nodes["x"], nodes["force"]
+    axial = np.einsum("ij,ij->i", force, nodes["d"][:, 0])
+    bend = np.linalg.norm(nodes["curvature"], axis=1) * (np.sign(nodes["curvature"][:, 2]) if not sim.space else 1)
+    growth = np.zeros(len(nodes))
+    if before is not None and len(before) == len(nodes):
+        growth = nodes["stretch"] / before["stretch"] - 1
+    p = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(x, axis=0), axis=1))])
+    touch = nodes["contact"]
+    ends = np.linspace(0, p[-1], PIECES + 1)
+
+    def along(at, values):
+        return np.column_stack([np.interp(at, p, column) for column in values.T])
+
+    half = np.concatenate([[0], (p[1:] + p[:-1]) / 2, [p[-1]]])
+    total = np.vstack([np.zeros(3), np.cumsum(touch * np.diff(half)[:, None], axis=0)])
+    borne = np.diff(np.column_stack([np.interp(ends, half, column) for column in total.T]), axis=0)
+    held = (-np.diff(along(ends, force), axis=0) - borne) / np.maximum(np.diff(ends)[:, None], 1e-300)
+    middle = along((ends[1:] + ends[:-1]) / 2, x)
+    return {"x": rounded(x[keep]), "axial": rounded(axial[keep]), "bend": rounded(bend[keep]), "growth": rounded(growth[keep]),
+            "speed": rounded(np.linalg.norm(nodes["v"], axis=1)[keep]), "places": rounded(middle), "friction": rounded(held),
+            "contact": rounded(borne / np.maximum(np.diff(ends)[:, None], 1e-300)) if touch.any() else None}
+
+
+def rounded(values):
+    """Base64 of 32-bit numbers, as pages have arrays."""
+    from .packed import packed
+
+    return packed(np.ravel(values))

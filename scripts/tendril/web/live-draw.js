@@ -1,0 +1,288 @@
+// The picture of a run one can touch: a rod and what stands around it, in the plane or in space, on a canvas.
+const INK = "#222", SOLID = "#e8e4da", EDGE = "#8a8371", HAND = "#7A2E8E", PUSH = "#C2410C", DRAG = "#777";
+const ENDS_OF = { axial: [[180, 4, 38], [221, 221, 221], [59, 76, 192]], bend: [[0, 109, 91], [225, 225, 225], [140, 81, 10]],
+  growth: [[118, 42, 131], [230, 230, 230], [27, 120, 55]], speed: [[230, 230, 230], [230, 230, 230], [178, 24, 43]] };
+
+const shareOf = (value, most) => (most > 0 ? Math.asinh(20 * Math.abs(value) / most) / Math.asinh(20) : 0);
+
+function shadeOf(kind, value, most) {
+  const [low, none, high] = ENDS_OF[kind], end = value < 0 ? low : high, part = Math.min(1, shareOf(value, most));
+  return `rgb(${none.map((c, i) => Math.round(c + (end[i] - c) * part))})`;
+}
+
+function unpackFrame(frame) {
+  const made = {};
+  for (const [name, value] of Object.entries(frame)) made[name] = typeof value === "string" ? floats(value) : value;
+  return made;
+}
+
+// A picture on a canvas. what() says what is to be drawn: {scene, frame, ghost, walls, hand, grabbed, colour, arrows}.
+class Stage {
+  constructor(canvas, what) {
+    Object.assign(this, { canvas, what, fit: true, middle: [0, 0, 0], scale: 100, turn: -0.6, rise: 0.5, most: {} });
+    this.reach = [[0, 0, 0], [1e-9, 1e-9, 1e-9]];
+  }
+
+  forget() {
+    this.fit = true;
+    this.most = {};
+    this.reach = [[0, 0, 0], [1e-9, 1e-9, 1e-9]];
+  }
+
+  // where the axes of the screen point in the laboratory
+  axes() {
+    if (this.flat) return [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    const c = Math.cos(this.turn), s = Math.sin(this.turn), C = Math.cos(this.rise), S = Math.sin(this.rise);
+    return [[c, s, 0], [s * S, -c * S, C], [s * C, -c * C, -S]];
+  }
+
+  place(x, y, z) {
+    const [right, up] = this.now, m = this.middle, dx = x - m[0], dy = y - m[1], dz = z - m[2];
+    return [this.width / 2 + this.scale * (right[0] * dx + right[1] * dy + right[2] * dz),
+      this.height / 2 - this.scale * (up[0] * dx + up[1] * dy + up[2] * dz)];
+  }
+
+  // what a way on the screen is in the laboratory, in the plane of the screen
+  way(dx, dy) {
+    const [right, up] = this.now || this.axes();
+    return [0, 1, 2].map((d) => (right[d] * dx - up[d] * dy) / this.scale);
+  }
+
+  at(px, py) {
+    const way = this.way(px - this.width / 2, py - this.height / 2);
+    return way.map((w, d) => w + this.middle[d]);
+  }
+
+  see(x) {
+    for (let i = 0; i < x.length; i += 3)
+      for (let d = 0; d < 3; d++) {
+        this.reach[0][d] = Math.min(this.reach[0][d], x[i + d]);
+        this.reach[1][d] = Math.max(this.reach[1][d], x[i + d]);
+      }
+  }
+
+  frameAll(scene, x) {
+    const [low, high] = this.reach.map((r) => [...r]), [from, to] = this.reach;
+    const size = Math.max(...[0, 1, 2].map((d) => high[d] - low[d]), 1e-9);
+    for (const wall of scene.walls) {  // stones near the rod are seen whole
+      if (!wall.circle || wall.inside) continue;
+      const [x, y, r] = wall.circle;
+      if (x - r < to[0] + 0.5 * size && x + r > from[0] - 0.5 * size && y - r < to[1] + 0.5 * size && y + r > from[1] - 0.5 * size) {
+        low[0] = Math.min(low[0], x - r); high[0] = Math.max(high[0], x + r);
+        low[1] = Math.min(low[1], y - r); high[1] = Math.max(high[1], y + r);
+      }
+    }
+    if (!this.flat) return this.frameRod(x);
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => [0, 1, 2].map((d) => (k >> d & 1 ? high : low)[d]));
+    const [right, up] = this.now, span = (axis) => {
+      const along = corners.map((c) => c[0] * axis[0] + c[1] * axis[1] + c[2] * axis[2]);
+      return Math.max(...along) - Math.min(...along);
+    };
+    const wanted = 0.86 * Math.min(this.width / Math.max(span(right), 0.02 * size), this.height / Math.max(span(up), 0.02 * size));
+    const middle = [0, 1, 2].map((d) => (low[d] + high[d]) / 2);
+    const way = this.settled ? 0.12 : 1;
+    this.scale *= (wanted / this.scale) ** way;
+    for (let d = 0; d < 3; d++) this.middle[d] += way * (middle[d] - this.middle[d]);
+    this.settled = true;
+  }
+
+  // in space: as the rod is seen now
+  frameRod(x) {
+    const [right, up, back] = this.now, low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i + 2 < x.length; i += 3)
+      [right, up, back].forEach((axis, k) => {
+        const at = axis[0] * x[i] + axis[1] * x[i + 1] + axis[2] * x[i + 2];
+        low[k] = Math.min(low[k], at);
+        high[k] = Math.max(high[k], at);
+      });
+    if (!(high[0] > low[0])) return;
+    const size = Math.max(high[0] - low[0], high[1] - low[1], 1e-9), way = this.settled ? 0.15 : 1;
+    const wanted = 0.84 * Math.min(this.width / Math.max(high[0] - low[0], 0.1 * size), this.height / Math.max(high[1] - low[1], 0.1 * size));
+    this.scale *= (wanted / this.scale) ** way;
+    const mid = low.map((v, k) => (v + high[k]) / 2);
+    for (let d = 0; d < 3; d++) this.middle[d] += way * (right[d] * mid[0] + up[d] * mid[1] + back[d] * mid[2] - this.middle[d]);
+    this.settled = true;
+  }
+
+  draw() {
+    const { scene, frame, ghost, walls, hand, grabbed, colour, arrows } = this.what();
+    const box = this.canvas.getBoundingClientRect(), ratio = devicePixelRatio || 1;
+    if (!scene || !box.width) return;
+    if (this.canvas.width !== Math.round(box.width * ratio) || this.canvas.height !== Math.round(box.height * ratio)) {
+      this.canvas.width = Math.round(box.width * ratio);
+      this.canvas.height = Math.round(box.height * ratio);
+    }
+    [this.width, this.height] = [box.width, box.height];
+    this.flat = scene.flat;
+    this.now = this.axes();
+    const ctx = this.ctx = this.canvas.getContext("2d");
+    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+    ctx.clearRect(0, 0, box.width, box.height);
+    ctx.lineCap = ctx.lineJoin = "round";
+    if (frame) this.see(frame.x);
+    if (this.fit) this.frameAll(scene, frame ? frame.x : []);
+    for (const wall of scene.walls) this.drawWall(wall, (walls || {})[wall.line] || [0, 0, 0], grabbed === wall.line, scene);
+    if (this.flat) this.drawRuler();
+    if (ghost) this.drawRod(ghost, "#ccc", scene, null);
+    if (frame) this.drawRod(frame, null, scene, colour);
+    if (frame && arrows) this.drawForces(frame);
+    this.drawClamp(frame);
+    if (frame && hand && Math.hypot(...hand) > 0) this.drawHand(frame, hand);
+  }
+
+  line(points, n = 3) {
+    const { ctx } = this;
+    ctx.beginPath();
+    for (let i = 0; i + n - 1 < points.length; i += n) {
+      const [x, y] = this.place(points[i], points[i + 1], n > 2 ? points[i + 2] : 0);
+      if (i) ctx.lineTo(x, y); else ctx.moveTo(x, y);
+    }
+  }
+
+  drawWall(wall, shift, grabbed, scene) {
+    const { ctx } = this, moved = (p, n) => Float64Array.from(p, (v, i) => v + shift[i % n]);
+    ctx.fillStyle = SOLID;
+    ctx.strokeStyle = grabbed ? HAND : EDGE;
+    ctx.lineWidth = grabbed ? 2.5 : wall.moves ? 1.6 : 1;
+    if (!this.flat && wall.vertices) {
+      this.drawMesh(wall, shift);
+      return;
+    }
+    if (wall.circle) {
+      const [x, y, r] = wall.circle, [px, py] = this.place(x + shift[0], y + shift[1], (wall.height || 0) + shift[2]);
+      ctx.beginPath();
+      if (wall.inside) ctx.rect(-10, -10, this.width + 20, this.height + 20);
+      ctx.arc(px, py, r * this.scale, 0, 2 * Math.PI);
+      ctx.fill("evenodd");
+      ctx.beginPath();
+      ctx.arc(px, py, r * this.scale, 0, 2 * Math.PI);
+      ctx.stroke();
+      return;
+    }
+    if (wall.rings) {
+      ctx.beginPath();
+      for (const ring of wall.rings)
+        for (let i = 0; i < ring.length; i += 2) {
+          const [x, y] = this.place(ring[i] + shift[0], ring[i + 1] + shift[1], 0);
+          if (i) ctx.lineTo(x, y); else ctx.moveTo(x, y);
+        }
+      ctx.fill("evenodd");
+    }
+    for (const line of wall.lines || []) {
+      this.line(moved(line, 2), 2);
+      ctx.stroke();
+    }
+  }
+
+  drawMesh(wall, shift) {
+    const { ctx } = this, v = wall.vertices, t = wall.triangles;
+    ctx.globalAlpha = wall.inside ? 0.10 : 0.30;
+    ctx.beginPath();
+    const every = Math.max(1, Math.ceil(t.length / 3 / 3000));
+    for (let i = 0; i + 2 < t.length; i += 3 * every) {
+      const p = [0, 1, 2].map((k) => this.place(v[3 * t[i + k]] + shift[0], v[3 * t[i + k] + 1] + shift[1], v[3 * t[i + k] + 2] + shift[2]));
+      ctx.moveTo(...p[0]); ctx.lineTo(...p[1]); ctx.lineTo(...p[2]); ctx.closePath();
+    }
+    ctx.fillStyle = "#b9ad8e";
+    ctx.fill();
+    ctx.globalAlpha = 0.7;
+    for (const line of wall.lines3 || []) {
+      this.line(Float64Array.from(line, (x, i) => x + shift[i % 3]));
+      ctx.stroke();
+    }
+    ctx.globalAlpha = 1;
+  }
+
+  drawRuler() {
+    const { ctx } = this, wide = this.width / 5 / this.scale, step = 10 ** Math.floor(Math.log10(wide));
+    const long = [5, 2, 1].map((k) => k * step).find((k) => k <= wide) || step;
+    const f = this.unit || [1, ""], x = 12, y = this.height - 12;
+    ctx.strokeStyle = ctx.fillStyle = "#555";
+    ctx.lineWidth = 1.5;
+    ctx.beginPath();
+    ctx.moveTo(x, y - 4); ctx.lineTo(x, y); ctx.lineTo(x + long * this.scale, y); ctx.lineTo(x + long * this.scale, y - 4);
+    ctx.stroke();
+    ctx.font = "12px system-ui, sans-serif";
+    ctx.fillText(`${number(long * f[0])} ${f[1]}`, x + 6, y - 6);
+  }
+
+  drawRod(frame, plain, scene, kind) {
+    const { ctx } = this, x = frame.x, thick = Math.max(4, scene.diameter * this.scale), values = kind && frame[kind];
+    ctx.lineWidth = thick + 1.6;
+    ctx.strokeStyle = plain || "#333";
+    this.line(x);
+    ctx.stroke();
+    if (!values) return;
+    let most = 0;
+    for (const v of values) most = Math.max(most, Math.abs(v));
+    this.most[kind] = kind === "growth" ? most || 1 : Math.max(this.most[kind] || 0, most);
+    ctx.lineWidth = thick - 0.4;
+    ctx.lineCap = "butt";
+    for (let i = 0; i + 1 < values.length; i++) {
+      const [ax, ay] = this.place(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+      const [bx, by] = this.place(x[3 * i + 3], x[3 * i + 4], x[3 * i + 5]), long = Math.hypot(bx - ax, by - ay) || 1;
+      ctx.strokeStyle = shadeOf(kind, (values[i] + values[i + 1]) / 2, this.most[kind]);
+      ctx.beginPath();
+      ctx.moveTo(ax, ay);
+      ctx.lineTo(bx + 0.5 * (bx - ax) / long, by + 0.5 * (by - ay) / long);
+      ctx.stroke();
+    }
+    ctx.lineCap = "round";
+  }
+
+  arrow(from, way, colour, width = 1.4) {
+    const { ctx } = this, [x, y] = from, [dx, dy] = way, long = Math.hypot(dx, dy);
+    if (long < 2) return;
+    const head = Math.min(0.4, 8 / long);
+    ctx.beginPath();
+    ctx.moveTo(x, y); ctx.lineTo(x + dx, y + dy);
+    ctx.lineTo(x + dx - head * (dx - 0.5 * dy), y + dy - head * (dy + 0.5 * dx));
+    ctx.moveTo(x + dx, y + dy);
+    ctx.lineTo(x + dx - head * (dx + 0.5 * dy), y + dy - head * (dy - 0.5 * dx));
+    for (const [stroke, w] of [["#fffc", width + 2], [colour, width]]) {
+      ctx.strokeStyle = stroke;
+      ctx.lineWidth = w;
+      ctx.stroke();
+    }
+  }
+
+  // where a force, per length or not, points on the screen
+  shown(f, i, scale) {
+    const [right, up] = this.now;
+    return [scale * (right[0] * f[i] + right[1] * f[i + 1] + right[2] * f[i + 2]), -scale * (up[0] * f[i] + up[1] * f[i + 1] + up[2] * f[i + 2])];
+  }
+
+  drawForces(frame) {
+    for (const [name, colour, end] of [["friction", DRAG, false], ["contact", PUSH, true]]) {
+      const f = frame[name];
+      if (!f) continue;
+      let most = 0;
+      for (let i = 0; i < f.length; i += 3) most = Math.max(most, Math.hypot(f[i], f[i + 1], f[i + 2]));
+      this.most[name] = Math.max((this.most[name] || 0) * 0.98, most, 1e-12);
+      const scale = Math.min(46, this.width / 11) / this.most[name];
+      for (let i = 0; i < f.length; i += 3) {
+        const way = this.shown(f, i, scale), at = this.place(frame.places[i], frame.places[i + 1], frame.places[i + 2]);
+        this.arrow(end ? [at[0] - way[0], at[1] - way[1]] : at, way, colour, end ? 1.8 : 1.2);
+      }
+    }
+  }
+
+  drawClamp(frame) {
+    const { ctx } = this, x = frame ? frame.x : [0, 0, 0], [px, py] = this.place(x[0], x[1], x[2]);
+    ctx.fillStyle = "#000";
+    ctx.fillRect(px - 5, py - 5, 10, 10);
+  }
+
+  tip(frame) {
+    const x = frame.x, n = x.length;
+    return this.place(x[n - 3], x[n - 2], x[n - 1]);
+  }
+
+  drawHand(frame, hand) {
+    const size = Math.hypot(...hand), scale = Math.min(90, 26 + 30 * size) / size, way = this.shown(hand, 0, scale), at = this.tip(frame);
+    this.arrow(at, way, HAND, 3);
+    this.ctx.fillStyle = HAND;
+    this.ctx.font = "600 13px system-ui, sans-serif";
+    this.ctx.fillText(`${number(size * (this.force || [1, ""])[0])} ${(this.force || [1, ""])[1]}`, at[0] + way[0] + 6, at[1] + way[1]);
+  }
+}

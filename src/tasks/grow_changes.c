@@ -1,0 +1,121 @@
+/* -task grow: what is changed in a run, by -change_file or by who takes it step by step. */
+#include "scene/change.h"
+#include "tasks/grow_rules.h"
+#include "tasks/growing.h"
+
+/* The value that the options have of a name; "" if none. */
+static PetscErrorCode ValueOf(const char *name, char value[PETSC_MAX_PATH_LEN]) {
+  PetscFunctionBegin;
+  value[0] = 0;
+  PetscCall(PetscOptionsGetString(NULL, NULL, name, value, PETSC_MAX_PATH_LEN, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* Refuses a surface that would be put where the rod is. */
+static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value, PetscReal t) {
+  const PetscInt n = self->scene->mesh.cells + 1;
+  const Node *nodes;
+  PetscReal(*x)[3];
+  int free = 1;
+
+  PetscFunctionBegin;
+  if (strcmp(name, "-wall_at") != 0) PetscFunctionReturn(0);
+  PetscCall(ObserverGather(self->observer, self->now->rod, t,
+                           self->seen.t > 0 ? self->now->U : NULL, NULL, &nodes));
+  PetscCall(PetscMalloc1(n, &x));
+  for (PetscInt i = 0; nodes && i < n; i++)
+    for (int d = 0; d < 3; d++) x[i][d] = nodes[i].x3[d];
+  if (nodes) free = SceneHasRoom(self->scene, value, t, n, (const PetscReal(*)[3])x);
+  PetscCall(PetscFree(x));
+  PetscCallMPI(MPI_Bcast(&free, 1, MPI_INT, 0, self->scene->comm));
+  UserCheck(free, self->scene->comm, "-wall_at %s: the rod is there", value);
+  PetscFunctionReturn(0);
+}
+
+/* What must be known before the state is touched. */
+static PetscErrorCode Check(Grow *self, const char *name) {
+  PetscFunctionBegin;
+  UserCheck(self->model != LINEAR, self->scene->comm,
+            "%s: cannot be changed with -rod_model linear; take frame or auto", name);
+  UserCheck(!self->sensitivities, self->scene->comm,
+            "-sensitivity: is not known of a run in which something is changed; take it out");
+  UserCheck(strcmp(name, "-rod_weight") != 0 || self->scene->load.weighs || self->by_steps,
+            self->scene->comm,
+            "-rod_weight: begin the run with one, however small, if it is to change");
+  PetscFunctionReturn(0);
+}
+
+/* In force from t on; the options have the value. */
+static PetscErrorCode Apply(Grow *self, const char *name, const char *value, PetscReal t) {
+  const PetscBool acts = (PetscBool)(strcmp(name, "-ts_max_time") != 0 || self->waits);
+  const PetscReal end = self->scene->end_time;
+
+  PetscFunctionBegin;
+  PetscCall(SceneMayChange(self->scene, name, value, t));
+  PetscCall(CheckRoom(self, name, value, t));
+  PetscCall(GrowSettle(self, t));
+  PetscCall(SceneChange(self->scene, name, value, t));
+  PetscCall(EstimateSceneChanged(self->estimate));
+  PetscCall(GrowChange(self, acts));
+  if (self->scene->end_time > end) self->over = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
+/*
+  GrowApply - a new value from the present time on: the run ends its step there, and goes on in
+  short ones. What is refused has changed nothing. Collective.
+
+  name  with its dash
+  t     the present time: that of the latest step, or one within the step that waits
+*/
+PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t) {
+  const OptionRow *row = SceneChangedOption(name);
+  char before[PETSC_MAX_PATH_LEN];
+  PetscErrorCode error;
+
+  PetscFunctionBegin;
+  PetscCall(Check(self, name));
+  if (row) PetscCall(ValueOf(name, before));
+  if (row) PetscCall(PetscOptionsSetValue(NULL, name, value));
+  error = Apply(self, name, value, t);
+  /* options are those with which the run began: from these, and what was changed, another one gets
+     to where it is */
+  if (row && (error || strcmp(name, "-ts_max_time") != 0)) PetscCall(OptionPut(name, before));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/* What is due at t. */
+static PetscErrorCode TakeDue(Grow *self, PetscReal t) {
+  Changes list = self->scene->changes;
+  char name[128];
+
+  PetscFunctionBegin;
+  while (ChangesNext(list) <= t * (1 + grow_rule.same_time)) {
+    const ChangeRow *row = &list->row[list->done];
+    (void)snprintf(name, sizeof(name), "-%s", row->what);
+    PetscCall(GrowApply(self, name, row->value, t));
+    list->done++;
+  }
+  PetscFunctionReturn(0);
+}
+
+/*
+  GrowStepOn - as GrowStep(), but that what -change_file says is done when it is due: at the end of
+  a step, which it makes end there. Steps before it are those of a run that knows nothing of it.
+  Collective.
+*/
+PetscErrorCode GrowStepOn(Grow *self, PetscReal until) {
+  const PetscReal next = ChangesNext(self->scene->changes);
+
+  PetscFunctionBegin;
+  if (next <= self->seen.t * (1 + grow_rule.same_time)) {
+    PetscCall(TakeDue(self, self->seen.t));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(GrowStep(self, PetscMin(until, next)));
+  if (self->over || until < next) PetscFunctionReturn(0);
+  if (self->waits || self->seen.t >= next * (1 - grow_rule.same_time))
+    PetscCall(TakeDue(self, self->waits ? next : self->seen.t));
+  PetscFunctionReturn(0);
+}

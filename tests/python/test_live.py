@@ -1,0 +1,327 @@
+#!/usr/bin/env python3
+# test: a run is touched in a browser
+"""Runs that one can touch (tendril-py live): the server, what it refuses, and the page in Chromium, where there is one.
+
+    test_live.py build/tendril        with .venv's python, or one that has what the package needs"""
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import chromium
+from interpreter import ROOT, from_venv
+
+sys.path.insert(0, str(ROOT / "scripts"))
+try:
+    import numpy as np
+
+    import tendril
+except ImportError as error:
+    from_venv(error)
+try:
+    from websockets.exceptions import ConnectionClosed, InvalidStatus
+    from websockets.sync.client import connect
+except ImportError:
+    connect = None
+
+PROGRAM = Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else None
+STONES = dict(growth_type="feed", growth_initial_length=1, contact_diameter=0.1, shape_amplitude=0.05, rod_cells=60, ts_max_time=3,
+              wall_file=["circle 1.6 -0.75 0.4 outside friction 0.1", "circle 2.6 0.9 0.4 outside friction 0.1"])
+PAGE = "document.getElementById('live').tendril"
+
+
+def started(scene, *words, results):
+    """The command, and its address: its first line."""
+    process = subprocess.Popen([sys.executable, "-m", "tendril", "live", *([scene] if scene else []), "--no-browser", "--results", str(results), *words],
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ | {"PYTHONPATH": str(ROOT / "scripts")})
+    address = process.stdout.readline().strip()
+    if not address.startswith("http://127.0.0.1:"):
+        process.kill()
+        raise AssertionError(f"its first line is no address: {address!r} {process.stderr.read()}")
+    return process, address
+
+
+def ended(process):
+    """Ctrl-C; what it still says."""
+    process.send_signal(signal.SIGINT)
+    said, complaint = process.communicate(timeout=60)
+    return process.returncode, said, complaint
+
+
+def told(socket, kind, seconds=60, **what):
+    """The next message of a kind."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        message = json.loads(socket.recv(timeout=seconds))
+        if message["kind"] == kind and all(message.get(k) == v for k, v in what.items()):
+            return message
+    raise AssertionError(f"no {kind}")
+
+
+class Live(unittest.TestCase):
+    """One server for all of a class."""
+
+    @classmethod
+    def setUpClass(cls):
+        if connect is None:
+            raise unittest.SkipTest("the library websockets is not there: pip install websockets")
+        cls.directory = tempfile.TemporaryDirectory()
+        cls.results = Path(cls.directory.name) / "results"
+        cls.live = tendril.live(results=cls.results, **STONES)
+        cls.base, _, cls.query = cls.live.address.partition("?")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.live.close()
+        cls.directory.cleanup()
+
+    def socket(self, **more):
+        return connect(f"{self.base.replace('http', 'ws')}ws?{self.query}", max_size=None, **more)
+
+
+class Faults(Live):
+    def status(self, path, headers={}):
+        try:
+            with urllib.request.urlopen(urllib.request.Request(self.base + path, headers=headers)) as answer:
+                return answer.status
+        except urllib.error.HTTPError as error:
+            error.close()
+            return error.code
+
+    def test_who_has_no_token_or_comes_from_elsewhere_is_refused(self):
+        self.assertEqual(self.status(f"?{self.query}"), 200)
+        self.assertEqual(self.status(""), 403)
+        self.assertEqual(self.status("?token=" + 32 * "a"), 403)
+        self.assertEqual(self.status(f"?{self.query}", {"Host": "rebound.example:80"}), 403)
+        self.assertEqual(self.status(f"?{self.query}", {"Origin": "http://evil.example"}), 403)
+        for origin, query in (("http://evil.example", self.query), (None, "token=no"), (self.base.rstrip("/"), "")):
+            with self.subTest(origin), self.assertRaises(InvalidStatus):
+                connect(f"{self.base.replace('http', 'ws')}ws?{query}", origin=origin)
+
+    def test_no_path_leads_to_the_hosts_files(self):
+        for path in ("file/..%2f..%2f..%2fetc%2fpasswd", "file/../../etc/passwd", "file//etc/passwd", "file/%2Fetc%2Fpasswd", "picture/..%2f..%2fREADME.png",
+                     "picture/feed.opts", "scripts/tendril/live.py", "file/begun.h5"):
+            with self.subTest(path):
+                self.assertEqual(self.status(f"{path}?{self.query}"), 404)
+        self.assertEqual(self.status(f"picture/feed.png?{self.query}"), 200)
+        with self.socket() as socket:
+            told(socket, "whole")
+            for what in ("../../mine", "scene\n", 7, None, ["scene"]):
+                socket.send(json.dumps({"do": "save", "what": [what]}))
+                self.assertIn("give scene", told(socket, "refused")["text"])
+            socket.send(json.dumps({"do": "start", "scene": "../../../etc/passwd"}))
+            self.assertIn("no scene of the gallery", told(socket, "refused")["text"])
+
+    def test_what_makes_no_sense_is_answered_and_changes_nothing(self):
+        with self.socket() as socket:
+            before = told(socket, "whole")
+            for text in ("", "{", "[]", "7", '"run"', '{"do": 7}', '{"do": "__init__"}', '{"do": "loop"}', '{"do": "fly"}', "[" * 5000,
+                         '{"do": "set", "name": "rod_cells", "value": 5}', '{"do": "set", "name": "feed_speed", "value": "fast"}',
+                         '{"do": "set", "name": "feed_speed", "value": NaN}', '{"do": "set", "name": "feed_speed"}', '{"do": "wall", "line": 99, "shift": [0, 0]}',
+                         '{"do": "wall", "line": 1, "shift": ["a", 0]}', '{"do": "hand", "force": "up"}', '{"do": "back", "t": 1e9}', '{"do": "pace", "pace": -1}',
+                         '{"do": "branch", "branch": 77}', '{"do": "lead", "place": [1, 0]}', '{"do": "set", "name": "wall_friction 1", "value": -1}'):
+                with self.subTest(text[:60]):
+                    socket.send(text)
+                    self.assertTrue(told(socket, "refused")["text"])
+        with self.socket() as socket:
+            after = told(socket, "whole")
+        self.assertEqual((after["t"], after["changes"], after["running"]), (before["t"], before["changes"], before["running"]))
+
+    def test_a_megabyte_and_a_page_that_goes_in_a_step(self):
+        with self.assertRaises(ConnectionClosed) as caught, self.socket() as socket:
+            told(socket, "whole")
+            socket.send(json.dumps({"do": "start", "form": {"walls": 1_000_000 * "#"}}))
+            while True:
+                socket.recv(timeout=20)
+        self.assertEqual(caught.exception.rcvd.code, 1009)
+        several = contextlib.ExitStack()
+        self.addCleanup(several.close)
+        socket = several.enter_context(self.socket())
+        told(socket, "whole")
+        socket.send(json.dumps({"do": "pace", "pace": None}))
+        socket.send(json.dumps({"do": "run"}))
+        told(socket, "frame")
+        socket.socket.close()  # without a word
+        time.sleep(0.5)
+        pages = [several.enter_context(self.socket()) for _ in range(10)]
+        wholes = [told(page, "whole") for page in pages]
+        pages[3].send(json.dumps({"do": "pause"}))
+        for page in pages:
+            told(page, "state", running=False)
+        pages[5].send(json.dumps({"do": "step"}))
+        times = {told(page, "frame")["t"] for page in pages}
+        self.assertTrue(all(whole["t"] > 0 for whole in wholes))
+        self.assertGreaterEqual(min(times), max(whole["t"] for whole in wholes))
+
+    def test_a_form_names_the_field_that_is_wrong(self):
+        from tendril.starting_page import first_scene
+
+        first = first_scene()
+        form = {field["name"]: field["value"] for field in first["fields"]} | {"walls": first["walls"]}
+        with self.socket() as socket:
+            told(socket, "whole")
+            socket.send(json.dumps({"do": "draw", "form": form}))
+            self.assertEqual(len(told(socket, "drawn")["walls"]), 2)
+            for name, value in (("contact_diameter", "thick"), ("rod_cells", "1"), ("si_speed", "-1"), ("walls", "circle 1cm 0 8mm outside"), ("walls", "ball 1 2"),
+                                ("growth_type", "magic"), ("ts_max_time", "20 parsecs")):
+                with self.subTest(value):
+                    socket.send(json.dumps({"do": "draw", "form": form | {name: value}}))
+                    self.assertEqual(told(socket, "refused")["field"], name)
+
+
+class Command(unittest.TestCase):
+    def setUp(self):
+        if connect is None:
+            self.skipTest("the library websockets is not there: pip install websockets")
+
+    def test_ctrl_c_leaves_a_run_that_can_be_gone_on_with(self):
+        with tempfile.TemporaryDirectory() as directory:
+            process, address = started("feed", results=directory)
+            with connect(address.replace("http", "ws").replace("/?", "/ws?"), max_size=None) as socket:
+                told(socket, "whole")
+                socket.send(json.dumps({"do": "set", "name": "feed_speed", "value": 0.5}))
+                socket.send(json.dumps({"do": "pace", "pace": None}))
+                socket.send(json.dumps({"do": "run"}))
+                while told(socket, "frame")["t"] < 0.5:
+                    pass
+            code, said, complaint = ended(process)
+            self.assertEqual((code, complaint), (0, ""))
+            file = Path(directory) / "feed-played.h5"
+            self.assertIn(str(file), said)
+            on = tendril.Simulation.load(file)
+            self.assertGreater(on.t, 0.5)
+            self.assertAlmostEqual(on.series["length"][-1], 2 + 0.5 * on.t, delta=1e-9)
+            self.assertTrue(on.step())
+
+    def test_mistakes_are_a_line(self):
+        for words, line in ((["no-such-scene"], "no scene of that name"), (["critical"], "nothing that runs"), (["feed", "--port", "70000"], "--port"),
+                            (["feed", "--posts", "-1"], "--posts")):
+            with self.subTest(words):
+                done = subprocess.run([sys.executable, "-m", "tendril", "live", "--no-browser", *words], capture_output=True, text=True, timeout=60,
+                                      env=os.environ | {"PYTHONPATH": str(ROOT / "scripts")})
+                self.assertNotEqual(done.returncode, 0)
+                self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
+                self.assertIn(line, done.stderr)
+
+
+@unittest.skipUnless(chromium.FOUND, "no chromium here: the page is not tried (apt-get install chromium)")
+class Browser(Live):
+    def played(self, browser, live):
+        """The saved scene run by the program, and the rows that the page has seen."""
+        browser.say(f"{PAGE}.send('save', {{what: ['scene']}})")
+        browser.until("[...document.querySelectorAll('.l-news .l-good')].some((one) => one.textContent.startsWith('checked'))", 120)
+        file = self.results / "mine-played" / "mine-played.opts"
+        names, rows = browser.say(f"{PAGE}.S.names"), np.array(live.session.branch.rows)
+        with tempfile.TemporaryDirectory() as directory:
+            moved = Path(directory) / "elsewhere"
+            file.parent.rename(moved)  # all it needs is beside it
+            output = Path(directory) / "played.h5"
+            done = subprocess.run([PROGRAM, "-options_file", moved / file.name, "-output", output, "-ts_max_steps", str(len(rows) - 1)],
+                                  capture_output=True, text=True, timeout=300)
+            series = tendril.load(output).series
+            self.assertEqual(len(series.t), len(rows), done.stderr)
+        for k, name in enumerate(names):
+            size = np.abs(rows[:, k]).max() or 1
+            self.assertLess(np.abs(series[name] - rows[:, k]).max() / size, 1e-8, name)
+
+    def test_run_touch_go_back_branch_save(self):
+        with tendril.live(results=self.results, **STONES) as live, chromium.Chromium() as browser:
+            browser.go(live.address)
+            browser.until(f"{PAGE} && {PAGE}.S.frame")
+            browser.press(".")
+            browser.until(f"{PAGE}.S.t > 0")
+            browser.say(f"{PAGE}.send('pace', {{pace: 0.6}})")
+            browser.press(" ", "Space")
+            browser.until(f"{PAGE}.S.t > 0.3")
+            browser.press("ArrowLeft")
+            browser.until(f"{PAGE}.S.values.feed_speed === -1")
+            browser.press("ArrowRight")
+            browser.until(f"{PAGE}.S.values.feed_speed === 1 && {PAGE}.S.t > 0.45")
+            browser.press(" ", "Space")
+            browser.until(f"!{PAGE}.S.running")
+            browser.say("(() => { const box = document.querySelector('[aria-label=\"friction, times\"][type=number]'); box.value = 2; box.dispatchEvent(new Event('change')); })()")
+            browser.until(f"{PAGE}.S.values.friction_factor === 2")
+            # the first stone is dragged upwards, into the way of the rod
+            stone = json.loads(browser.say(f"""(() => {{ const {{S, stage}} = {PAGE}, box = document.querySelector('.l-stage canvas').getBoundingClientRect();
+              const [x, y] = stage.place(1.6, -0.75, 0); return JSON.stringify([x + box.left, y + box.top, stage.scale]); }})()"""))
+            browser.press(" ", "Space")
+            browser.drag(stone[:2], (stone[0] - 0.1 * stone[2], stone[1] - 0.35 * stone[2]))
+            browser.until(f"({PAGE}.S.walls['1'] || [0, 0])[1] > 0.3")
+            browser.until(f"{PAGE}.S.t > 1.2")
+            browser.press(" ", "Space")
+            browser.until(f"!{PAGE}.S.running")
+            seen = dict(zip(live.session.names, np.array(live.session.branch.rows).T))
+            self.assertGreater(seen["wall_force_2"].max(), 0)
+            self.assertLess(np.abs(seen["energy_defect"]).max(), 1e-3)
+            self.played(browser, live)
+            # back, and on from there without the stone
+            browser.say("(() => { const slider = document.querySelector('.l-slider'); slider.value = 500; slider.dispatchEvent(new Event('input')); })()")
+            browser.until("[...document.querySelectorAll('button')].some((one) => one.textContent === 'go on from here' && !one.hidden)")
+            browser.say("[...document.querySelectorAll('button')].find((one) => one.textContent === 'go on from here').click()")
+            browser.until(f"{PAGE}.S.branch === 1 && {PAGE}.S.branches.length === 2")
+            parted = browser.say(f"{PAGE}.S.t")
+            self.assertTrue(0.5 < parted < 0.75, parted)
+            browser.press("z")
+            browser.until(f"{PAGE}.S.branches.length === 3")
+            browser.press("ArrowDown")
+            browser.until(f"{PAGE}.S.values.feed_speed === 0")
+            browser.press(".")
+            browser.until(f"{PAGE}.S.changes.length > 0")
+            browser.press(" ", "Space")
+            browser.until(f"{PAGE}.S.t > {parted} + 0.2")
+            browser.press(" ", "Space")
+            browser.until(f"!{PAGE}.S.running")
+            self.played(browser, live)
+            browser.say("location.reload()")
+            browser.until(f"{PAGE} && {PAGE}.S.branches.length === 3 && {PAGE}.S.rows.length > 10")
+            self.assertEqual(browser.complaints, [])
+
+    def test_on_a_phone_by_touch(self):
+        with chromium.Chromium((390, 844), touch=True) as browser:
+            browser.go(self.live.address)
+            browser.until(f"{PAGE} && {PAGE}.S.frame && {PAGE}.stage.now")
+            self.assertLessEqual(browser.say("document.documentElement.scrollWidth"), 390)
+            time.sleep(1)  # until the view has come to rest
+            tip = json.loads(browser.say(f"""(() => {{ const {{S, stage}} = {PAGE}; document.querySelector('.l-stage').scrollIntoView();
+              const box = document.querySelector('.l-stage canvas').getBoundingClientRect(), [x, y] = stage.tip(S.frame); return JSON.stringify([x + box.left, y + box.top]); }})()"""))
+            before = browser.say(f"{PAGE}.S.changes.length")
+            browser.drag(tip, (tip[0] + 5, tip[1] - 70))
+            browser.until(f"{PAGE}.S.changes.length > {before} && Math.hypot(...{PAGE}.S.hand) > 0.5")
+            self.assertGreater(browser.say(f"{PAGE}.S.hand[1]"), 0.5)
+            self.assertEqual(browser.complaints, [])
+
+    def test_from_nothing_to_a_picture_of_ones_own_scene(self):
+        with tendril.live(results=self.results) as live, chromium.Chromium() as browser:
+            browser.go(live.address)
+            browser.until("document.querySelectorAll('.l-card img').length > 10 && document.querySelector('.hint').textContent.includes('cm')")
+            browser.say("(() => { const one = document.querySelector('[aria-label=diameter]'); one.value = '-1'; one.dispatchEvent(new Event('input')); })()")
+            browser.until("[...document.querySelectorAll('.l-field .l-why')].some((one) => one.textContent)")
+            browser.say("(() => { const one = document.querySelector('[aria-label=diameter]'); one.value = '3mm'; one.dispatchEvent(new Event('input')); })()")
+            browser.until("![...document.querySelectorAll('.l-field .l-why')].some((one) => one.textContent)")
+            browser.say("[...document.querySelectorAll('button')].find((one) => one.textContent === 'run it').click()")
+            browser.until(f"{PAGE}.S.scene && {PAGE}.S.frame")
+            browser.say(f"{PAGE}.send('pace', {{pace: null}})")
+            browser.press(" ", "Space")
+            browser.until(f"{PAGE}.S.t > 1")
+            browser.press(" ", "Space")
+            browser.say("[...document.querySelectorAll('button')].find((one) => one.textContent === 'picture').click()")
+            browser.until("[...document.querySelectorAll('.l-files a')].some((one) => one.textContent === 'mine-played.png')")
+            self.assertEqual(browser.say("fetch(document.querySelector('.l-files a[href*=png]').href).then((one) => one.status)"), 200)
+            self.assertEqual(browser.complaints, [])
+
+
+if __name__ == "__main__":
+    sys.argv.pop(1)
+    os.environ["TENDRIL"] = str(PROGRAM)
+    os.environ.setdefault("TENDRIL_LIBRARY", str(PROGRAM.parent / "libtendril.so"))
+    unittest.main(verbosity=2)
