@@ -4,5 +4,5 @@
 command_of() {
   local here
   here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
-  PYTHONPATH=$here${PYTHONPATH:+:$PYTHONPATH} exec "${PYTHON:-$here/../.venv/bin/python}" -m tendril "$@"
+  TENDRIL_SCRIPT=1 PYTHONPATH=$here${PYTHONPATH:+:$PYTHONPATH} exec "${PYTHON:-$here/../.venv/bin/python}" -m tendril "$@"
 }

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .page import view
     from .pictures import plot
     from .live_server import live
+    from .live_widget import widget
     from .loading import load
     from .results import Results, Shape
     from .samples import profile, sample
@@ -39,7 +40,7 @@ _HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "poly
          "ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
          "animate": "films", "ensemble": "ensembles", "Fit": "fitting", "fit": "fitting", "map": "maps",
          "compare": "comparison", "Filmed": "filming", "measure": "filming", "profile": "samples",
-         "sample": "samples", "view": "page", "plot": "pictures", "live": "live_server", "Results": "results", "Shape": "results", "load": "loading",
+         "sample": "samples", "view": "page", "plot": "pictures", "live": "live_server", "widget": "live_widget", "Results": "results", "Shape": "results", "load": "loading",
          "Critical": "runs", "critical": "runs", "run": "runs", "Simulation": "simulation", "Sweep": "collection", "sweep": "sweeps",
          "End": "openings", "ends": "openings", "Surface": "surfaces", "surface": "surfaces"}
 __all__ = sorted(_HOME)

@@ -11,14 +11,15 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 COMMANDS = {"plot": "pictures", "animate": "films", "view": "page", "fit": "fit_command",
             "measure": "filming",
             "map": "maps", "ensemble": "ensembles", "growth_table": "growth_table", "export": "exports",
-            "stability": "plot_stability", "surface": "surfaces", "live": "live_server"}
+            "stability": "plot_stability", "surface": "surfaces", "live": "live_server", "run": "run_command:run_main",
+            "sweep": "run_command:sweep_main", "critical": "run_command:critical_main"}
 
 
 def main(words=None):
     words = sys.argv[1:] if words is None else words
     known = ", ".join(COMMANDS)
     if words and words[0] in ("-h", "--help"):
-        print(f"python -m tendril COMMAND ...: {known}; -h behind it tells how")
+        print(f"tendril-py COMMAND ...: {known}; -h behind it tells how")
         return 0
     if words and words[0] == "--version":
         from . import __version__
@@ -30,7 +31,8 @@ def main(words=None):
         return 2
     from .command import lonely
 
-    return lonely(words[0], lambda more: import_module(f".{COMMANDS[words[0]]}", __package__).main(more), words[1:])
+    module, _, name = COMMANDS[words[0]].partition(":")
+    return lonely(words[0], lambda more: getattr(import_module(f".{module}", __package__), name or "main")(more), words[1:])
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@ one line, and the last net under them."""
 
 import argparse
 import math
+import os
 import re
 import sys
 import warnings
@@ -17,6 +18,8 @@ class Parser(argparse.ArgumentParser):
     """What a command takes. prog: as it is typed; text: what -h says first."""
 
     def __init__(self, prog, text):
+        if not os.environ.get("TENDRIL_SCRIPT"):  # it names itself as it is typed
+            prog, text = (re.sub(r"scripts/(\w+)\.sh", r"tendril-py \1", one) for one in (prog, text))
         super().__init__(prog=prog, description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
         self.register("type", float, number)
         self.register("type", int, whole)

@@ -214,7 +214,7 @@ class OnePage:
 
     def take(self, message):
         if message["kind"] == "frame":
-            self.rows.append(message["row"])
+            self.rows.extend(message["row"])
             self.frame = message
         else:
             if message["kind"] == "whole":

@@ -1,6 +1,7 @@
-"""Draws a quantity of a sweep over two options, as PNG and PDF.
+"""Draws a quantity of a sweep over two options, or over one as a curve, as PNG and PDF.
 
     scripts/map.sh results/map --axes friction_mu,growth_width
+    scripts/map.sh results/one --axes friction_mu --quantity width
     scripts/map.sh results/map2 --axes friction_mu,friction_beta --quantity critical/length
     scripts/map.sh results/widths --axes friction_mu,growth_initial_length --quantity width
 
@@ -189,37 +190,66 @@ def draw(ax, xs, ys, table, units, axes, quantity):
     ax.figure.colorbar(colours, ax=ax, label=label)
 
 
+def curve(ax, place, axis, quantity, si):
+    """Draws it over one option; how many points have no result."""
+    found = found_at(place, (axis,), quantity, si)
+    if not found:
+        raise ValueError("there is no finished point to draw")
+    if len(units := {x[1] for (x,) in found}) > 1:
+        raise ValueError(f"{axis} is in several units")
+    x = np.array(sorted(x for ((x, _),) in found))
+    y = np.array([next(value for (place,), (value, _) in found.items() if place[0] == one) for one in x])
+    unit, of = next(iter(found.values()))[1], units.pop()
+    if si and unit in KINDS:
+        unit, one = suited_to(KINDS[unit], np.nanmax(np.abs(y)))
+        y = y / one
+    elif si and unit in DIMENSIONS:
+        unit = DIMENSIONS[unit][1]
+    else:
+        unit = ""
+    ax.plot(x, y, "o-", ms=3)
+    if not even(x):
+        ax.set_xscale("log")
+    ax.set_xlabel(LABELS.get(axis, in_words(axis)) + (f" ({of})" if of else ""))
+    ax.set_ylabel(LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " ")) + (f" ({unit})" if unit else ""))
+    return int(np.isnan(y).sum())
+
+
 @arguments(axes="texts", quantity="text", si="flag")
 def map(sweep, axes, quantity="critical/t", *, si=False, ax=None) -> Figure:
-    """Draws a number of a sweep over two of its options; the figure.
+    """Draws a number of a sweep over two of its options, or over one as a curve; the figure.
 
     sweep     a Sweep, its file, or a directory of scripts/sweep.sh
-    axes      two options, along and up
+    axes      two options, along and up; one: along
     quantity  "width", "critical/length": of a series the last value
     si        the quantity in units of the laboratory
     ax        axes of matplotlib to draw into, in place of a figure of its own"""
     import matplotlib.pyplot as plt
 
     axes = [name.strip().lstrip("-") for name in (axes.split(",") if isinstance(axes, str) else axes)]
-    if len(axes) != 2:
-        raise TendrilError(f"map: give two options for axes, not {', '.join(axes) or 'none'}")
-    try:
-        xs, ys, table, units = read(sweep, axes, quantity, si)
-    except ValueError as error:
-        raise TendrilError(f"map: {error}") from None
+    if len(axes) not in (1, 2) or not all(axes):
+        raise TendrilError(f"map: give one option for a curve, or two for axes, not {', '.join(axes) or 'none'}")
     with plt.rc_context(STYLE):
-        figure = ax.figure if ax else plt.figure(figsize=(3.4, 2.7), layout="constrained", FigureClass=InStyle)
-        draw(ax or figure.subplots(), xs, ys, table, units, axes, quantity)
+        try:
+            if len(axes) == 2:
+                xs, ys, table, units = read(sweep, axes, quantity, si)
+            figure = ax.figure if ax else plt.figure(figsize=(3.4, 2.7), layout="constrained", FigureClass=InStyle)
+            if len(axes) == 1:
+                figure.missing = curve(ax or figure.subplots(), sweep, axes[0], quantity, si)
+            else:
+                draw(ax or figure.subplots(), xs, ys, table, units, axes, quantity)
+                figure.missing = int(np.isnan(table).sum())
+        except ValueError as error:
+            raise TendrilError(f"map: {error}") from None
     if not ax:
         plt.close(figure)
-    figure.missing = int(np.isnan(table).sum())
     return figure
 
 
 def main(arguments=None):
     parser = Parser("scripts/map.sh", __doc__)
     parser.add_argument("place", help="directory of scripts/sweep.sh, or file of a sweep")
-    parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes")
+    parser.add_argument("--axes", required=True, metavar="X,Y", help="options along the axes; one alone: a curve")
     parser.add_argument("--quantity", default="critical/t", help="default %(default)s")
     parser.add_argument("--si", action="store_true", help="the quantity in SI units, of runs with -si_ options")
     parser.add_argument("--output", metavar="BASENAME",

@@ -21,6 +21,7 @@ UNHURRIED = 20  # seconds that a run takes at first, if it can
 FRAMES = 240  # of a branch that are kept, to be looked at
 TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
 SLOW = 0.7  # seconds: a step that takes longer is told
+LOOKS = 1 / 30  # seconds between looks, at least: who looks sees no more
 FAST = 30  # times the speed of growing: a place as fast snaps
 
 
@@ -75,9 +76,8 @@ class Session:
         self.hand = [0.0, 0.0, 0.0]
         self.computing, self.busy_since, self.keeping = 0.0, None, 0.0
         self.rates = deque(maxlen=400)  # (when, iterations)
-        self.usual_step = None
         self.before = None  # nodes of the step before
-        self.told_error = 0.0
+        self.looked, self.unseen, self.slowest, self.counted = 0.0, False, 0.0, 0
         self.lock = threading.RLock()
         self.look()
         self.thread = threading.Thread(target=self.loop, name="tendril live", daemon=True)
@@ -149,6 +149,8 @@ class Session:
     def obey(self, command):
         """One command; what is wrong with it is told to who gave it, and changes nothing."""
         action = getattr(self, f"do_{command.get('do')}", None)
+        if self.unseen:
+            self.look()
         try:
             if action is None:
                 raise TendrilError(f"{command.get('do')}: is nothing that a run can do")
@@ -298,8 +300,8 @@ class Session:
             self.sim.set(what, value if what in BY_WORDS or "," in value else float(value))
             self.branch.changes.append((self.sim.t, what, value))
             self.branch.ended = ""
-        self.usual_step = None
         self.look()
+        self.looked = 0.0  # what comes of it is seen at once
 
     def step(self):
         if self.branch.ended:
@@ -316,11 +318,16 @@ class Session:
         self.busy_since = None
         self.computing += took
         if not going:
+            if self.unseen:
+                self.look()
             self.branch.ended = self.branch.ended or "it is at its end"
             self.running = False
             self.publish(self.state())
             return
-        self.look(took)
+        self.unseen = True
+        self.slowest = max(self.slowest, took)
+        if time.monotonic() - self.looked > LOOKS or not self.running:
+            self.look()
         self.keep()
 
     def keep(self):
@@ -395,21 +402,25 @@ class Session:
 
     # ---- looking ----
 
-    def look(self, took=0.0, new=True):
-        """What there is to see now, to who looks."""
+    def look(self, new=True):
+        """What there is to see now, to who looks: the rows since the last look, and the rod."""
+        took, self.slowest, self.unseen, self.looked = self.slowest, 0.0, False, time.monotonic()
         with self.lock:
             sim = self.sim
-            row = [float(sim.series[name][-1]) for name in self.names]
-            frame = frame_of(sim, self.before)
-            self.before = sim.nodes
-        t = row[self.names.index("t")]
+            have = len(self.branch.rows) if new else len(sim.series["t"])
+            rows = np.column_stack([sim.series[name][have:] for name in self.names]).tolist()
+            t = sim.t
+            frame = frame_of(sim, self.before, t)
+            self.before = sim.nodes, t
+        for row in rows:
+            last = self.branch.rows[-1] if self.branch.rows else None
+            self.branch.rows.append(row)
+            self.note(row, last, took if row is rows[-1] else 0.0)
         if new:
-            if not self.branch.rows or self.branch.rows[-1][0] < t:
-                self.note(row, took)
-                self.branch.rows.append(row)
             self.keep_frame(t, frame)
-        self.rates.append((time.monotonic(), row[self.names.index("newton_iterations")]))
-        self.publish({"kind": "frame", "t": t, "row": row, "frame": frame, "took": took, "branch": self.branch.number,
+        iterations = self.names.index("newton_iterations")
+        self.rates.append((self.looked, len(rows), sum(row[iterations] for row in rows)))
+        self.publish({"kind": "frame", "t": t, "row": rows, "frame": frame, "branch": self.branch.number,
                       "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "to": None})
 
     def keep_frame(self, t, frame):
@@ -428,21 +439,21 @@ class Session:
     def speed(self):
         """(steps, iterations) a second, of the last two seconds."""
         now = time.monotonic()
-        recent = [(when, n) for when, n in self.rates if when > now - 2]
+        recent = [one for one in self.rates if one[0] > now - 2]
         if len(recent) < 2:
             return [0.0, 0.0]
         over = max(now - recent[0][0], 1e-3)
-        return [len(recent) / over, sum(n for _, n in recent) / over]
+        return [sum(one[1] for one in recent[1:]) / over, sum(one[2] for one in recent[1:]) / over]
 
     def happened(self, text):
         t = self.branch.rows[-1][0] if self.branch.rows else 0.0
         self.branch.happened.append((t, text))
         self.publish({"kind": "happened", "t": t, "text": text, "branch": self.branch.number, "to": None})
 
-    def note(self, row, took):
+    def note(self, row, before, took):
         """Names what happens in a step, and why it was slow."""
         at = dict(zip(self.names, row))
-        last = dict(zip(self.names, self.branch.rows[-1])) if self.branch.rows else {}
+        last = dict(zip(self.names, before)) if before else {}
         if last:
             if at.get("contacts", 0) > 0 and not last.get("contacts", 0):
                 self.happened("it touches")
@@ -455,7 +466,6 @@ class Session:
                 self.happened("it snaps")
         if took > SLOW:
             self.happened(f"a step took {took:.1f} s: {self.why(at, last)}")
-        self.usual_step = at.get("step")
 
     @staticmethod
     def snapping(at):
@@ -657,7 +667,7 @@ def number_of(value, what):
 MOST_NODES, PIECES = 301, 28
 
 
-def frame_of(sim, before=None):
+def frame_of(sim, before=None, t=0.0):
     """What is drawn of a rod: places, and what colours it along the nodes; friction and contact as arrows."""
     nodes = sim.nodes
     keep = np.unique(np.linspace(0, len(nodes) - 1, min(len(nodes), MOST_NODES)).round().astype(int))
@@ -665,8 +675,8 @@ def frame_of(sim, before=None):
     axial = np.einsum("ij,ij->i", force, nodes["d"][:, 0])
     bend = np.linalg.norm(nodes["curvature"], axis=1) * (np.sign(nodes["curvature"][:, 2]) if not sim.space else 1)
     growth = np.zeros(len(nodes))
-    if before is not None and len(before) == len(nodes):
-        growth = nodes["stretch"] / before["stretch"] - 1
+    if before is not None and len(before[0]) == len(nodes) and t > before[1]:
+        growth = (nodes["stretch"] / before[0]["stretch"] - 1) / (t - before[1])
     p = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(x, axis=0), axis=1))])
     touch = nodes["contact"]
     ends = np.linspace(0, p[-1], PIECES + 1)

@@ -136,9 +136,12 @@ class Series(Mapping):
 
     def __getitem__(self, name):
         sim, n, values = self._of(), c_int(), c_void_p()
-        if name not in self._names():
-            raise KeyError(f"{name}: no series of this simulation{unknown(name, self._names(), ', which has')}")
-        sim._call("TendrilSeries", str(name).encode(), byref(n), byref(values))
+        try:
+            sim._call("TendrilSeries", str(name).encode(), byref(n), byref(values))
+        except RunError:
+            if name in self._names():
+                raise
+            raise KeyError(f"{name}: no series of this simulation{unknown(name, self._names(), ', which has')}") from None
         if not n.value:
             return np.empty(0)
         block = (c_double * n.value).from_address(values.value)

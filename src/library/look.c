@@ -156,10 +156,12 @@ static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes,
   PetscCheck(self->node, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for nodes");
   for (PetscInt i = 0; i < all; i++) {
     TendrilNode *to = &self->node[i];
+    PetscReal about[3];
     LabNode lab;
     PetscCall(LabNodeAt(scene, t, scene->mesh.s[i], &nodes[i], &lab));
     *to = (TendrilNode){.s = scene->mesh.s[i], .stretch = lab.stretch, .theta = lab.theta};
-    if (contact) SceneToLab(scene, contact[2 * i], to->contact);
+    if (contact) PetscCall(OutputContactAbout(scene, t, i, lab.stretch, contact, about));
+    if (contact) SceneToLab(scene, about, to->contact);
     for (int k = 0; k < 3; k++) {
       to->x[k] = lab.x[k];
       to->v[k] = lab.v[k];

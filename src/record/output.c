@@ -277,11 +277,11 @@ PetscErrorCode OutputSeries(Output self, const Observation *seen) {
   PetscFunctionReturn(0);
 }
 
-/* The force of contact per length about node i, from that at nodes and between them: what nodes
-   have, times half of the lengths of their cells, adds up to what there is. (Where contact is
-   stiff, that at the node itself may be far from that beside it.) */
-static PetscErrorCode ContactAbout(Scene scene, PetscReal t, PetscInt i, PetscReal g,
-                                   const PetscReal (*contact)[PUSH], PetscReal about[3]) {
+/* OutputContactAbout - the force of contact per length about node i, from that at nodes and between
+   them: what nodes have, times half of the lengths of their cells, adds up to what there is. (Where
+   contact is stiff, that at the node itself may be far from that beside it.) */
+PetscErrorCode OutputContactAbout(Scene scene, PetscReal t, PetscInt i, PetscReal g,
+                                  const PetscReal (*contact)[PUSH], PetscReal about[3]) {
   const PetscReal *s = scene->mesh.s;
   PetscReal length = 0, h, z, g_mid;
 
@@ -321,7 +321,7 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
   self->shapes_room = room;
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(LabNodeAt(self->scene, t, self->scene->mesh.s[i], &nodes[i], &node));
-    if (contact) PetscCall(ContactAbout(self->scene, t, i, node.stretch, contact, about));
+    if (contact) PetscCall(OutputContactAbout(self->scene, t, i, node.stretch, contact, about));
     if (contact) SceneToLab(self->scene, about, node.contact);
     for (int set = 0; set < self->sets; set++)
       for (PetscInt d = 0; d < self->set[set].components; d++)

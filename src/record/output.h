@@ -33,6 +33,8 @@ PetscErrorCode OutputKeep(Output output, PetscBool series, PetscBool shapes);
 PetscErrorCode OutputHarvest(Output output, const Observation *last, PetscInt values,
                              Harvest *harvest);
 PetscErrorCode OutputSeries(Output output, const Observation *seen);
+PetscErrorCode OutputContactAbout(Scene scene, PetscReal t, PetscInt i, PetscReal g,
+                                  const PetscReal (*contact)[PUSH], PetscReal about[3]);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[PUSH]);
 PetscErrorCode OutputEvent(Output output, const Event *event);

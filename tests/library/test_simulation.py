@@ -318,6 +318,8 @@ class Saved(unittest.TestCase):
                 saved = tendril.load(file)
                 self.assertEqual(differing(saved.series, run.series), [])
                 np.testing.assert_array_equal(saved.shapes["x"], run.shapes["x"])
+                if "contact" in saved.shapes:
+                    np.testing.assert_array_equal(saved.shapes["contact"][-1], full.nodes["contact"][:, :2])
 
 
 if __name__ == "__main__":

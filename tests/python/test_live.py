@@ -320,6 +320,54 @@ class Browser(Live):
             self.assertEqual(browser.complaints, [])
 
 
+class Widget(unittest.TestCase):
+    """The page in a notebook's cell."""
+
+    def setUp(self):
+        try:
+            import anywidget  # noqa: F401
+        except ImportError:
+            self.skipTest("the library anywidget is not there: pip install anywidget")
+
+    def test_a_notebook_runs_it(self):
+        import nbformat
+        from nbclient import NotebookClient
+
+        code = ["import tendril, time", "w = tendril.widget('feed', rod_cells=60, ts_max_time=1)", "w",
+                "w.session.do({'do': 'pace', 'pace': None}); w.session.do({'do': 'set', 'name': 'feed_speed', 'value': 0.5}); w.session.do({'do': 'run'})",
+                "while not w.session.branch.ended: time.sleep(0.05)", "print(w.session.sim.t, w.session.sim.series['length'][-1]); w.close()"]
+        book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(text) for text in code])
+        os.environ["PYTHONPATH"] = f"{ROOT / 'scripts'}:{os.environ.get('PYTHONPATH', '')}"
+        NotebookClient(book, timeout=120, kernel_name="python3").execute()
+        self.assertIn("application/vnd.jupyter.widget-view+json", book.cells[2].outputs[0]["data"])
+        self.assertEqual(book.cells[5].outputs[0]["text"].split(), ["1.0", "2.5"])
+
+    @unittest.skipUnless(chromium.FOUND, "no chromium here: the widget is not drawn (apt-get install chromium)")
+    def test_its_script_draws_it(self):
+        from tendril.live_widget import script, widget
+
+        sent = []
+        one = widget("feed", rod_cells=60, ts_max_time=1)
+        one.sender.send = sent.append
+        one.hear(None, {"do": "greet"}, None)
+        one.hear(None, {"do": "step"}, None)
+        end = time.monotonic() + 30
+        while "frame" not in [m["kind"] for m in sent] and time.monotonic() < end:
+            time.sleep(0.05)
+        with chromium.Chromium() as browser:
+            browser.say(f"""(async () => {{
+              const module = await import(URL.createObjectURL(new Blob([{json.dumps(script())}], {{ type: "text/javascript" }})));
+              window.said = []; window.model = {{ send: (m) => window.said.push(m), on: (what, f) => {{ window.hear = f; }} }};
+              const el = document.createElement("div"); el.id = "live"; document.body.append(el); module.default.render({{ model: window.model, el }}); }})()""")
+            for message in sent:
+                browser.say(f"window.hear({json.dumps(message)})")
+            browser.until(f"{PAGE}.S.frame && {PAGE}.stage.now && document.querySelectorAll('.l-chart canvas').length > 2")
+            browser.press(" ", "Space")
+            self.assertEqual(browser.say("JSON.stringify(window.said)"), '[{"do":"greet"},{"do":"run"}]')
+            self.assertEqual(browser.complaints, [])
+        one.close()
+
+
 if __name__ == "__main__":
     sys.argv.pop(1)
     os.environ["TENDRIL"] = str(PROGRAM)
