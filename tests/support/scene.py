@@ -63,6 +63,7 @@ class Run:
         self.said = done.stdout
         with h5py.File(file) as f:
             self.estimate = f.attrs.get("error_estimate")  # over the run
+            self.firm = f.attrs.get("contact_firm", 1)  # how many times firmer contact has become at the end
             self.told = {k[6:]: f.attrs[k] for k in f.attrs if k.startswith("error_")}
             self.rigid = {k[6:]: f.attrs[k] for k in f.attrs if k.startswith("rigid_")}
             expect(f.attrs["finished"] == 1, f"{options}: not finished")

@@ -140,13 +140,6 @@ CONE = ("-growth_type apical -contact_diameter 0.0575 -growth_initial_length 0.5
         "-clamp_spin -2.558 ")
 
 
-def firmness(options):
-    """How many times firmer contact has become at the end, 1: it has not."""
-    tendril(f"{options} -output {scene.SCRATCH}/firm.h5")
-    with h5py.File(f"{scene.SCRATCH}/firm.h5") as f:
-        return f.attrs.get("contact_firm", 1)
-
-
 @check(ranks=3)
 def contact_gets_firmer_where_a_rod_is_pressed_in():
     """Contact gets firmer of itself where a rod is pressed in, as if it had been so from the start; what is not pressed
@@ -160,14 +153,14 @@ def contact_gets_firmer_where_a_rod_is_pressed_in():
     # (walls are six times stiffer than they were when soft ones let it in by 3.3 %, and get 16 times firmer, not 64)
     expect(max(deep[:2]) < 0.0035 and deep[2] > 0.007 and apart < 1e-5, f"{deep}, {apart}")
     expect(np.abs(tip(soft) - tip(told)).max() > 5e-4, "soft contact is no other")
-    expect(firmness(cone) == 16 and firmness(cone + "-contact_firm false") == 1, "the result does not say so")
+    expect(itself.firm == 16 and soft.firm == 1, "the result does not say so")
     easy = FED + "-rod_curvature 0.5 -clamp_spin 2 " + walls("torus 0 1 0 0 0 1 1 0.2 inside friction 0.3")
     free, never = Run(easy), Run(easy + "-contact_firm false")
     expect((free.shapes["x"] == never.shapes["x"]).all() and free.newton_iterations.sum() == never.newton_iterations.sum(),
            "what is not pressed in pays for it")
-    expect(free.penetration.max() > 0 and firmness(easy) == 1, "it became firm")
+    expect(free.penetration.max() > 0 and free.firm == 1, "it became firm")
     # steps that cannot be taken back have it from the start
-    expect(firmness(easy + "-ts_type bdf -ts_max_time 1") == 16, "with bdf it is soft")
+    expect(Run(easy + "-ts_type bdf -ts_max_time 1").firm == 16, "with bdf it is soft")
     expect_on_ranks(cone)
     first = lambda run: int(np.argmax(run["series/penetration"] > 0.00075 * 0.0575))
     for name, step in {"before": lambda run: first(run) - 3, "behind": lambda run: first(run) + 3}.items():
@@ -196,7 +189,7 @@ def a_wedged_rod_that_crawls_begins_again_in_softer_contact():
         expect(not different, f"{what}: {different} are not those of soft contact")
     for text in said[0].split("anew")[1], said[1]:
         expect("give -contact_stiffness" in text and "-contact_firm" not in text, text)
-    expect(firmness(wedged + "-ts_max_time 1.2") == 16, "it was not firm")
+    expect(Run(wedged + "-ts_max_time 1.2").firm == 16, "it was not firm")
 
 
 @check
