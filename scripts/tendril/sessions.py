@@ -6,6 +6,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
+from array import array
 from collections import deque
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -414,7 +415,7 @@ class Session:
             self.before = sim.nodes, t
         for row in rows:
             last = self.branch.rows[-1] if self.branch.rows else None
-            self.branch.rows.append(row)
+            self.branch.rows.append(array("d", row))
             self.note(row, last, took if row is rows[-1] else 0.0)
         if new:
             self.keep_frame(t, frame)
@@ -495,7 +496,7 @@ class Session:
         rows = self.branch.rows
         step = max(1, len(rows) // 3000)
         shown = rows[::step] + ([rows[-1]] if rows and (len(rows) - 1) % step else [])
-        return {"kind": "whole", "names": self.names, "rows": shown, "frames": [[t, f] for t, f in self.branch.frames],
+        return {"kind": "whole", "names": self.names, "rows": [list(row) for row in shown], "frames": [[t, f] for t, f in self.branch.frames],
                 "happened": [list(h) for h in self.branch.happened], "walls": self.walls_now(self.branch.rows[-1][0] if rows else 0.0),
                 "hand": self.hand, "to": None} | {k: v for k, v in self.state().items() if k not in ("kind", "to")}
 

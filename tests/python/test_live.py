@@ -148,7 +148,7 @@ class Faults(Live):
         self.addCleanup(several.close)
         socket = several.enter_context(self.socket())
         told(socket, "whole")
-        socket.send(json.dumps({"do": "pace", "pace": None}))
+        socket.send(json.dumps({"do": "pace", "pace": 0.2}))
         socket.send(json.dumps({"do": "run"}))
         told(socket, "frame")
         socket.socket.close()  # without a word
