@@ -167,7 +167,7 @@ PetscErrorCode HdfGroup(HdfFile file, const char *name) {
 }
 
 /* An attribute that is there, opened to be written over, which is ten times as fast as to make it
-   anew; below 0: there is none, or it had another form and is gone. */
+   again; below 0: there is none, or it had another form and is gone. */
 static hid_t Existing(HdfFile file, hid_t object, const char *name, hid_t type) {
   hid_t a, had;
   htri_t same;

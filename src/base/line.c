@@ -295,7 +295,7 @@ static PetscInt Directions(const Square S, PetscReal sign, const Square K, const
   for (int i = 0; i < HALF; i++)
     for (int j = 0; j < HALF; j++) {
       A[j * HALF + i] = sign * S[i][j];
-      if (PetscIsInfOrNanReal(S[i][j])) return line_untold; /* LAPACK would end the program */
+      if (PetscIsInfOrNanReal(S[i][j])) return line_unknown; /* LAPACK would end the program */
     }
   LAPACKgeev_("N", "V", &n, A, &n, real, imaginary, none, &one, vectors, &n, work, &size, &info);
   for (int k = 0; k < HALF && !info; k++) {

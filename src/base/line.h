@@ -39,7 +39,7 @@ void LineForward(const Line *line, PetscInt nodes, const PetscReal (*b)[LINE_FIE
 void LineBackward(const Line *line, const PetscReal y[], PetscReal (*x)[LINE_FIELDS]);
 void LineSolve(const Line *line, const PetscReal (*b)[LINE_FIELDS], PetscReal (*x)[LINE_FIELDS]);
 /* What an index is, or less, of a line in which something is no number: of a wild state. */
-static const PetscInt line_untold = -10000;
+static const PetscInt line_unknown = -10000;
 
 PetscInt LineIndex(const Line *line, PetscReal sign, const int pair[LINE_HALF]);
 PetscInt LineIndexOfArrival(const Line *line, const LineRows T, PetscReal sign,

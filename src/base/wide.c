@@ -158,7 +158,7 @@ void WideSpring(WideLine line, const PetscReal gives[TOP][OWN]) {
     for (int j = 0; j < OWN; j++) line->link[0].T[i][TOP + j] = -gives[i][j];
 }
 
-/* WideKeep - keeps the next cell as it is, to be eliminated elsewhere: see WideCopy(). */
+/* WideKeep - keeps the next cell as it is, to be eliminated elsewhere. */
 void WideKeep(WideLine line) {
   line->n++;
 }
@@ -549,8 +549,8 @@ static PetscBool Turns(WideLine line) {
   return PETSC_FALSE;
 }
 
-/* Can C and K of a node be told from round-off beside each other? */
-static PetscBool Told(Six C, Six K) {
+/* Can C and K of a node be resolved beside each other? */
+static PetscBool Resolved(Six C, Six K) {
   const PetscReal most = 1e9;
   PetscReal c = 0, k = 0;
 
@@ -570,7 +570,8 @@ PetscInt WideIndex(WideLine line) {
 
   if (!Turns(line)) return index;
   for (PetscInt i = 0; i < line->n; i++) {
-    if (!Compliance(&line->link[i], C) || !Stiffness(&line->link[i], K) || !Told(C, K)) return -1;
+    if (!Compliance(&line->link[i], C) || !Stiffness(&line->link[i], K) || !Resolved(C, K))
+      return -1;
     if (line->plane) LeaveOutOfPlane(C, K);
     index += Added(C, K, 0, NULL);
   }

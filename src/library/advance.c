@@ -7,7 +7,7 @@ static PetscErrorCode Again(Tendril self) {
   PetscFunctionBegin;
   UserCheck(!self->scene->changes || !self->scene->changes->done, self->comm,
             "no way is found in contact that gets firmer where the rod is pressed in, and what was "
-            "changed in the run keeps it from beginning anew: give -contact_stiffness");
+            "changed in the run keeps it from beginning again: give -contact_stiffness");
   PetscCall(GrowAnew(self->grow));
   PetscCall(GrowCreate(self->grow, "", ""));
   ColumnsBegin(&self->series);
@@ -17,11 +17,11 @@ static PetscErrorCode Again(Tendril self) {
 /* The run is over: at its end, or by giving up. */
 static PetscErrorCode Finish(Tendril self) {
   PetscErrorCode error;
-  PetscBool anew;
+  PetscBool again;
 
   PetscFunctionBegin;
-  error = GrowFinish(self->grow, &anew);
-  if (!error && anew) {
+  error = GrowFinish(self->grow, &again);
+  if (!error && again) {
     PetscCall(Again(self));
     PetscFunctionReturn(0);
   }
@@ -64,7 +64,7 @@ static int StepOn(Tendril self, PetscReal until) {
 
   code = SimulationEnter(self);
   if (code) return code;
-  do { /* a run that has begun anew comes to where it was */
+  do { /* a run that has begun again comes to where it was */
     error = Move(self, until);
     self->at = self->grow->waits ? until : self->grow->seen.t;
     if (!error) error = SimulationLook(self);

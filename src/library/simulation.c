@@ -256,7 +256,7 @@ int TendrilSetWatch(Tendril self, TendrilWatch watch, void *ctx) {
 }
 
 /* As TendrilSetUp(), and TendrilLoad() with the file to go on from. What is refused leaves no
-   trace: options are made anew. */
+   trace: options are made again. */
 static int SetUp(Tendril self, const char *restart) {
   PetscErrorCode error = (PetscErrorCode)0;
   int code = SimulationEnter(self);

@@ -212,8 +212,8 @@ PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, P
   PetscCall(CheckScales(file, scene));
   PetscCall(TakeMesh(file, scene));
   if (state->shared != 0) LoadShare(&scene->load, state->shared);
-  if (!scene->contact.told && state->firm < 0) PetscCall(ContactStaysSoft(&scene->contact));
-  if (!scene->contact.told) scene->contact.firm = (PetscBool)(state->firm > 0);
+  if (!scene->contact.chosen && state->firm < 0) PetscCall(ContactStaysSoft(&scene->contact));
+  if (!scene->contact.chosen) scene->contact.firm = (PetscBool)(state->firm > 0);
   scene->contact.time = PETSC_MIN_REAL; /* its law may follow from the cells */
   UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,

@@ -72,7 +72,7 @@ typedef struct {
   PetscReal t;
   Vec U, U_t;
   PetscReal shift[MAX_FIELDS]; /* of each field: derivatives are dF/dU + dF/dU_t diag(shift) */
-  PetscBool fresh; /* a Newton solve begins here: what it remembers starts anew, and pairs that may
+  PetscBool fresh; /* a Newton solve begins here: what it remembers starts again, and pairs that may
                       touch are looked for */
   PetscBool iterates; /* it goes on in one: else what kinds of cells there are stays as it is */
   PetscBool counts;   /* modes are to be counted in it: symmetric if it can */

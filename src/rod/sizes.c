@@ -280,8 +280,8 @@ static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axe
   return 0;
 }
 
-/* How hard a group of fields is driven from 0, along the axes. */
-static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
+/* How strongly a group of fields is moved from 0, along the axes. */
+static PetscReal Prescribed(const Rod rod, int group, const PetscReal axes[2]) {
   static const PetscReal none[2] = {0, 0};
   const Scene scene = rod->scene;
   const Space *space = &scene->space;
@@ -301,14 +301,14 @@ static PetscReal Driven(const Rod rod, int group, const PetscReal axes[2]) {
 /* What twists a rod that is bent in one direction drives it in the other, by a part of that bend.
  */
 static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
-  const PetscReal none[2] = {1, 0}, driven = part * PetscMin(1, Driven(rod, TWIST, none));
+  const PetscReal none[2] = {1, 0}, prescribed = part * PetscMin(1, Prescribed(rod, TWIST, none));
 
-  for (PetscInt k = 0; k < rod->model->pairs && driven > 0; k++) {
+  for (PetscInt k = 0; k < rod->model->pairs && prescribed > 0; k++) {
     const PetscInt a = rod->model->pair[k].along, b = rod->model->pair[k].beside;
     const PetscReal across[2] = {scale[a], scale[b]};
     if (!rod->model->followed[a]) continue;
-    scale[a] = PetscMax(scale[a], driven * across[1]);
-    scale[b] = PetscMax(scale[b], driven * across[0]);
+    scale[a] = PetscMax(scale[a], prescribed * across[1]);
+    scale[b] = PetscMax(scale[b], prescribed * across[0]);
   }
 }
 
@@ -328,9 +328,10 @@ static void RollByItsArm(const Rod rod, const PetscReal size[], PetscReal scale[
 /*
   RodFieldScales - what a change of each field is measured against: its size, but for fields that
   are made of products of others, and may be no more than what these leave of round-off; and for
-  those that begin at 0 and are driven from there by a force across the rod, or by a wall that is
-  oblique, or by what twists a bent rod, or by what breaks a symmetry otherwise: these are measured
-  against a small part of what they will be, places in the scene's own unit of length. Collective.
+  those that begin at 0 and are prescribed from there by a force across the rod, or by a wall that
+  is oblique, or by what twists a bent rod, or by what breaks a symmetry otherwise: these are
+  measured against a small part of what they will be, places in the scene's own unit of length.
+  Collective.
 
   axes  on exit, those along which the changes of the fields across are to be measured; NULL: the
         coordinates
@@ -350,12 +351,12 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     LeaveRoundOff(rod->model, axes, size, scale);
   }
   for (PetscInt f = 0; f < rod->model->fields; f++) {
-    PetscReal driven = Driven(rod, rod->model->group[f], axes), unit = RodFieldUnit(rod, f);
+    PetscReal prescribed = Prescribed(rod, rod->model->group[f], axes), unit = RodFieldUnit(rod, f);
     if (!rod->model->followed[f]) continue;
-    if (driven > 0)
-      scale[f] =
-          PetscMax(scale[f], rod_rule.prescribed_part *
-                                 PetscMax(rod_rule.prescribed_least, PetscMin(1, driven)) * unit);
+    if (prescribed > 0)
+      scale[f] = PetscMax(scale[f],
+                          rod_rule.prescribed_part *
+                              PetscMax(rod_rule.prescribed_least, PetscMin(1, prescribed)) * unit);
     else if (scale[f] == 0)
       scale[f] = rod_rule.unprescribed_part * unit;
   }

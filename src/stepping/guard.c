@@ -1,6 +1,6 @@
 #include "stepping/guard.h"
 #include "rod/ask.h"
-#include "rod/brushing.h"
+#include "rod/grazing.h"
 #include "rod/crossing.h"
 #include "rod/passing.h"
 #include "stepping/leg.h"
@@ -70,40 +70,40 @@ static PetscErrorCode PassesItself(Rod rod, PetscReal t0, PetscReal t1, Vec U0, 
   PetscFunctionReturn(0);
 }
 
-/* Has the rod brushed a wall on its way: was it in one that it touches neither before nor now,
+/* Has the rod grazed a wall on its way: was it in one that it touches neither before nor now,
    deeper than a step may err? What lies between is what the step itself says (its dense output).
  */
-static PetscErrorCode Brushes(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
-                              PetscBool *brushes) {
+static PetscErrorCode Grazees(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                              PetscBool *grazes) {
   Rod rod = leg->rod;
   PetscReal depth, length;
   PetscBool done;
-  Brush brush;
+  Graze graze;
   Vec U, U_t;
 
   PetscFunctionBegin;
-  PetscCall(BrushBegin(rod, t0, t1, U0, U1, &brush));
-  if (brush.any) {
+  PetscCall(GrazeBegin(rod, t0, t1, U0, U1, &graze));
+  if (graze.any) {
     PetscCall(RodLength(rod, t1, &length));
     PetscCall(DMGetGlobalVector(rod->da, &U));
     PetscCall(DMGetGlobalVector(rod->da, &U_t));
-    for (int k = 1; k <= step_rule.states_between && !*brushes; k++) {
+    for (int k = 1; k <= step_rule.states_between && !*grazes; k++) {
       const PetscReal t = t0 + k * (t1 - t0) / (step_rule.states_between + 1);
       PetscCall(VBDFInterpolate(ts, t, U, U_t, &done));
-      PetscCall(BrushDepth(rod, t, U, &brush, &depth));
-      *brushes = (PetscBool)(depth > leg->rtol * length);
+      PetscCall(GrazeDepth(rod, t, U, &graze, &depth));
+      *grazes = (PetscBool)(depth > leg->rtol * length);
     }
     PetscCall(DMRestoreGlobalVector(rod->da, &U_t));
     PetscCall(DMRestoreGlobalVector(rod->da, &U));
     PetscCall(RodContactAt(rod, t1));
   }
-  PetscCall(BrushEnd(&brush));
+  PetscCall(GrazeEnd(&graze));
   PetscFunctionReturn(0);
 }
 
 /*
   GuardPasses - a VBDFCheck: has the rod of a leg passed through itself or a wall between two
-  states, or brushed a wall? Collective; what is asked next depends on what all ranks know.
+  states, or grazed a wall? Collective; what is asked next depends on what all ranks know.
 */
 PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, PetscBool *passes) {
   Leg *leg;
@@ -113,7 +113,7 @@ PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Pe
   *passes = PETSC_FALSE;
   if (RodMeetsWalls(leg->rod)) {
     PetscCall(RodPassesWalls(leg->rod, t0, t1, U0, U1, passes));
-    if (!*passes) PetscCall(Brushes(ts, leg, t0, t1, U0, U1, passes));
+    if (!*passes) PetscCall(Grazees(ts, leg, t0, t1, U0, U1, passes));
   }
   if (RodMeetsItself(leg->rod) && !*passes) {
     if (leg->rod->model->space)

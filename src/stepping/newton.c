@@ -506,7 +506,7 @@ PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
   if (counted == newton->counter) PetscCall(NewtonEliminate(newton, counted));
   EliminationPlane(counted, newton->plane);
   PetscCall(EliminationIndex(counted, index));
-  if (*index < (EliminationWide(counted) ? 0 : line_untold / 2)) *known = PETSC_FALSE;
+  if (*index < (EliminationWide(counted) ? 0 : line_unknown / 2)) *known = PETSC_FALSE;
   PetscFunctionReturn(0);
 }
 

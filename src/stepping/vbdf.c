@@ -280,7 +280,7 @@ PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end) {
 }
 
 /* VBDFSetKinks - sets how to see that a time, at which a step has ended, is one of a kink: the
-   history starts anew there. No effect on other types. */
+   history starts again there. No effect on other types. */
 PetscErrorCode VBDFSetKinks(TS ts, VBDFKinks kinks) {
   VBDF *self = NULL;
 

@@ -13,7 +13,7 @@ PetscErrorCode CrawlAllowed(TS ts, Crawl *self) {
   PetscCall(PetscOptionsHasName(NULL, NULL, "-ts_adapt_dt_max", &longest));
   PetscCall(TSGetAdapt(ts, &adapt));
   PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
-  self->told = (PetscBool)(longest || fixed);
+  self->chosen = (PetscBool)(longest || fixed);
   PetscFunctionReturn(0);
 }
 
@@ -29,7 +29,7 @@ PetscBool CrawlStep(Crawl *self, PetscReal t, PetscReal way, PetscReal least, Pe
   const PetscInt before = self->steps;
   PetscBool crawls;
 
-  if (self->told) return PETSC_FALSE;
+  if (self->chosen) return PETSC_FALSE;
   self->steps += self->counts ? PetscMax(1, iterations / grow_rule.crawl_iterations) : 1;
   if (before < grow_rule.crawl_steps / 2 && self->steps >= grow_rule.crawl_steps / 2)
     self->half = way;

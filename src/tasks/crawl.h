@@ -7,7 +7,7 @@
 /* All 0 at the start of a run. */
 typedef struct {
   PetscBool counts;        /* it is looked at the sooner the more iterations its steps take */
-  PetscBool told;          /* how long steps are, see CrawlAllowed(): none is looked at */
+  PetscBool chosen;        /* how long steps are, see CrawlAllowed(): none is looked at */
   PetscBool allowed;       /* how many there may be: the run does not end for it */
   PetscReal way, half, by; /* when it was looked, and half-way since; how far it had come then */
   PetscReal at;            /* t then */

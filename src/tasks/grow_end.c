@@ -6,10 +6,10 @@
  * feel the spin nothing says how it gives way. */
 static PetscBool SpinsFreely(const Grow *self) {
   const Scene scene = self->scene;
-  const PetscReal driven = PetscAbsReal(scene->space.spin) + 1 / self->seen.length;
+  const PetscReal prescribed = PetscAbsReal(scene->space.spin) + 1 / self->seen.length;
 
   return (PetscBool)(scene->space.rod && scene->load.radius == 0 &&
-                     PetscAbsReal(self->seen.tip_spin) > grow_rule.spins_freely * driven);
+                     PetscAbsReal(self->seen.tip_spin) > grow_rule.spins_freely * prescribed);
 }
 
 /* Is a rod that touches still straight, and does nothing say to which side it bends? (A load or a

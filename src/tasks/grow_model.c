@@ -69,7 +69,7 @@ PetscErrorCode GrowNeglect(Grow *self, Vec U_t) {
         !strcmp(model->field[f], "x3"))
       across = PetscMax(across, speed[f]);
   self->neglects = PetscSqr(across);
-  if (load->told > 0 && load->friction.mu > 0) self->neglects /= load->friction.beta;
+  if (load->resolved > 0 && load->friction.mu > 0) self->neglects /= load->friction.beta;
   self->neglects = PetscMax(self->neglects, PetscSqr(self->seen.max_angle));
   if (self->model == LINEAR) self->neglected = PetscMax(self->neglected, self->neglects);
   PetscFunctionReturn(0);

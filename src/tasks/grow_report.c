@@ -169,7 +169,7 @@ static PetscErrorCode TellContact(const Grow *self) {
                           "The rod is pressed in by more than %.0f %% of its diameter: give "
                           "-contact_stiffness %.1e%s.\n",
                           100 * (double)grow_rule.depth_reported, (double)Stiffer(self),
-                          contact->told && !(contact->firm || contact->given || contact->fine)
+                          contact->chosen && !(contact->firm || contact->given || contact->fine)
                               ? ", or -contact_firm"
                               : ""));
   PetscCall(TellRounded(self));

@@ -24,7 +24,7 @@ typedef struct {
   Columns columns;
   Collection collection;
   Handout handout;
-  MPI_Comm held; /* PETSc's own of the team, that it need not be made anew for each member */
+  MPI_Comm held; /* PETSc's own of the team, that it need not be made again for each member */
   /* rank 0 */
   char fault[HDF_FAULT];              /* why -output cannot be written */
   PetscInt done, ran;                 /* members that have been run: in all, and by this command */

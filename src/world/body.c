@@ -169,7 +169,7 @@ static PetscErrorCode CheckGrid(const struct _Body *self, const char *what, cons
     UserCheck(self->spacing[d] > 0, OptionsComm(), "%s %s: /spacing must be above 0", what, file);
   }
   UserCheck(!(radius > 0) || widest <= 2 * radius, OptionsComm(),
-            "%s %s: its grid, of spacing %s, is too coarse for a rod of diameter %s: make it anew "
+            "%s %s: its grid, of spacing %s, is too coarse for a rod of diameter %s: make it again "
             "with half of that or less (scripts/surface.sh --diameter)",
             what, file, OptionBoth(widest, UNIT_LENGTH, text[0]),
             OptionBoth(2 * radius, UNIT_LENGTH, text[1]));

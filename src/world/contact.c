@@ -25,7 +25,8 @@ const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
    pressed in, if k follows from its diameter; but no run pays for that before it is. */
 PetscErrorCode ContactMayGetFirm(Contact *contact) {
   PetscFunctionBegin;
-  if (contact->any && contact->diameter > 0 && !(contact->told || contact->given || contact->fine))
+  if (contact->any && contact->diameter > 0 &&
+      !(contact->chosen || contact->given || contact->fine))
     PetscCall(PetscCalloc1(1, &contact->deepest));
   PetscFunctionReturn(0);
 }
@@ -48,7 +49,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(OptionReal("-contact_diameter", &contact->diameter, &thick));
   PetscCall(OptionReal("-contact_friction", &contact->friction, &rubs));
   PetscCall(OptionReal("-contact_stiffness", &contact->stiffness, &contact->given));
-  PetscCall(OptionBool("-contact_firm", &contact->firm, &contact->told));
+  PetscCall(OptionBool("-contact_firm", &contact->firm, &contact->chosen));
   contact->any = (PetscBool)(walls || contact->self);
   thick = (PetscBool)(thick && contact->diameter > 0);
   if (contact->any) PetscCall(OptionReal("-accuracy", &contact->accuracy, &contact->fine));

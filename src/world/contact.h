@@ -33,7 +33,7 @@ typedef struct {
   PetscBool given;                  /* k is the user's */
   PetscBool fine;                   /* an accuracy is asked for, and k follows from that, too */
   PetscBool firm;                   /* k grows where the rod is pressed in */
-  PetscBool told;                   /* whether it does is the user's */
+  PetscBool chosen;                 /* whether it does is the user's */
   PetscReal *deepest;               /* of the state whose forces were asked for last, if k may have
                                        to grow: see ContactMayGetFirm(); else NULL */
   PetscBool slippery;               /* as if no wall had friction, to count modes (leg.c) */

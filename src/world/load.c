@@ -219,7 +219,7 @@ void LoadShareLeast(Load *load, PetscReal speed) {
 /* The smallest beta in place of 0, and the speed that steps of tolerance 1e-6 tell from rest; where
    a wall holds the rod by its tip, and little of it is at rest for long, they tell a tenth of it.
  */
-static const PetscReal next_to_exact = 1e-16, told_from_rest = 3e-5, told_by_walls = 3e-6,
+static const PetscReal next_to_exact = 1e-16, resolved_from_rest = 3e-5, resolved_by_walls = 3e-6,
                        its_tolerance = 1e-6;
 
 /* LoadNextToExact - for a rod of which a part is at rest: there exact Coulomb friction does not say
@@ -228,15 +228,15 @@ static const PetscReal next_to_exact = 1e-16, told_from_rest = 3e-5, told_by_wal
    twist decides between two ways round, and round-off between them. */
 void LoadNextToExact(Load *load) {
   load->limit = (PetscBool)(load->limit || LoadSticks(load));
-  load->told = told_from_rest;
+  load->resolved = resolved_from_rest;
   if (load->limit) load->friction.beta = next_to_exact;
 }
 
 /* LoadIsNextToExact - is it, as a limit or by its own beta, of a rod of which a part is at rest?
    Steps of the usual tolerance do not tell that from what creeps. */
 PetscBool LoadIsNextToExact(const Load *load) {
-  return (PetscBool)(load->told > 0 && load->friction.mu > 0 &&
-                     load->friction.beta <= PetscSqr(load->told));
+  return (PetscBool)(load->resolved > 0 && load->friction.mu > 0 &&
+                     load->friction.beta <= PetscSqr(load->resolved));
 }
 
 /* LoadNextToExactByWalls - and for one that walls may hold at its tip: all of it may be at rest,
@@ -245,7 +245,7 @@ PetscBool LoadIsNextToExact(const Load *load) {
 void LoadNextToExactByWalls(Load *load) {
   if (load->limit) return;
   LoadNextToExact(load);
-  load->told = told_by_walls;
+  load->resolved = resolved_by_walls;
 }
 
 /*
@@ -255,7 +255,7 @@ void LoadNextToExactByWalls(Load *load) {
   tolerance, for that of the mesh stays. No effect on a load that is not next to exact.
 */
 void LoadAtTolerance(Load *load, PetscReal rtol) {
-  PetscReal speed = load->told * PetscSqrtReal(rtol / its_tolerance);
+  PetscReal speed = load->resolved * PetscSqrtReal(rtol / its_tolerance);
   if (load->limit) load->friction.beta = PetscMax(next_to_exact, PetscSqr(speed));
 }
 

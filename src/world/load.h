@@ -27,14 +27,14 @@ typedef struct {
   PetscBool plain;        /* N = 1 and a = 1, no walls, no weight */
   PetscBool varied;       /* N or a is not 1 */
   PetscBool turns, moves; /* F depends on the direction of the rod (a), on the place (N, walls) */
-  PetscReal arm;     /* W of a rod in space has arm times its spin: radius, or that of contact */
-  PetscInt duals;    /* of each place: that of the friction along the rod, one for each wall,
-                        and one for a foot on a post (rod/feet.h) */
-  PetscInt duals3;   /* the same of a rod in space (contact_space.h) */
-  PetscReal viscous; /* 1 - mu, as it was asked for */
-  PetscBool limit;   /* exact friction was asked for, and is taken as a limit */
-  PetscReal told;    /* ... and then: the speed that steps of tolerance 1e-6 tell from rest */
-  PetscBool shared;  /* a viscous share was given to dry friction, see LoadShareMore() */
+  PetscReal arm;      /* W of a rod in space has arm times its spin: radius, or that of contact */
+  PetscInt duals;     /* of each place: that of the friction along the rod, one for each wall,
+                         and one for a foot on a post (rod/feet.h) */
+  PetscInt duals3;    /* the same of a rod in space (contact_space.h) */
+  PetscReal viscous;  /* 1 - mu, as it was asked for */
+  PetscBool limit;    /* exact friction was asked for, and is taken as a limit */
+  PetscReal resolved; /* ... and then: the speed that steps of tolerance 1e-6 resolve */
+  PetscBool shared;   /* a viscous share was given to dry friction, see LoadShareMore() */
 } Load;
 
 enum { SPIN = 3, RUBS = 4 }; /* the components of what rubs */

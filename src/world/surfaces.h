@@ -16,7 +16,7 @@ typedef struct {
 
 typedef struct _Surface Surface;
 
-/* What stands out of a surface and may be narrower than a cell of the rod (rod/feet_space.h):
+/* What stands out of a surface and may be narrower than a cell of the rod (rod/feet.h):
    itself a surface of that kind, no part of which is in front of it. What is flat has none. */
 typedef struct {
   void *data;

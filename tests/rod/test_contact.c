@@ -191,7 +191,7 @@ static void TestGetsFirm(void **state) {
   const PetscReal depth[] = {1.49, 0.5, 1.51};
   PetscReal slope, before = 0;
 
-  others[0].told = others[1].given = others[2].fine = PETSC_TRUE;
+  others[0].chosen = others[1].given = others[2].fine = PETSC_TRUE;
   others[3].any = PETSC_FALSE;
   others[4].diameter = 0;
   for (int i = 0; i < 5; i++) {

@@ -107,7 +107,7 @@ static void TestTold(void **state) {
   Run self = OfLength(1, 1);
   int k;
 
-  self.crawl.told = PETSC_TRUE;
+  self.crawl.chosen = PETSC_TRUE;
   EXPECT((k = Crawls(&self, 1e-12, 1, 5000)) == 0, "steps were told: %d", k);
 }
 

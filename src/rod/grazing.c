@@ -1,4 +1,4 @@
-#include "rod/brushing.h"
+#include "rod/grazing.h"
 #include "rod/feet.h"
 #include "rod/passing.h"
 #include "rod/rules.h"
@@ -60,16 +60,16 @@ static PetscInt DentsOf(Rod rod, const PetscReal x[3], Dent dent[MOST_DENTS]) {
 }
 
 /* Marks a wall that a foot is on, or tells how deep it is in one that is not marked. */
-static void NoteWall(const Brush *brush, PetscInt wall, PetscReal deep, PetscReal *depth) {
+static void NoteWall(const Graze *graze, PetscInt wall, PetscReal deep, PetscReal *depth) {
   if (!depth)
-    brush->wall[wall] = 1;
-  else if (!brush->wall[wall])
+    graze->wall[wall] = 1;
+  else if (!graze->wall[wall])
     *depth = PetscMax(*depth, deep);
 }
 
 /* Marks the walls that are in touch in a state at feet, or tells how deep the others are: NULL
    depth, or NULL node. */
-static PetscErrorCode LookAtFeet(Rod rod, PetscReal t, Vec U, const Brush *brush,
+static PetscErrorCode LookAtFeet(Rod rod, PetscReal t, Vec U, const Graze *graze,
                                  PetscReal *depth) {
   const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
   const Contact *contact = &rod->scene->contact;
@@ -83,14 +83,14 @@ static PetscErrorCode LookAtFeet(Rod rod, PetscReal t, Vec U, const Brush *brush
   for (PetscInt k = 0; k < n; k++) {
     FeetFind(contact, &cell[k], depth ? 0 : contact->smooth, &feet);
     for (PetscInt j = 0; j < feet.n; j++)
-      NoteWall(brush, feet.touch[j].wall, -feet.touch[j].gap, depth);
+      NoteWall(graze, feet.touch[j].wall, -feet.touch[j].gap, depth);
   }
   PetscCall(PetscFree(cell));
   PetscFunctionReturn(0);
 }
 
 /* Marks the walls that are in touch in a state. Collective. */
-static PetscErrorCode MarkWalls(Rod rod, PetscReal t, Vec U, Brush *brush) {
+static PetscErrorCode MarkWalls(Rod rod, PetscReal t, Vec U, Graze *graze) {
   const PetscScalar *u;
   Dent dent[MOST_DENTS];
   PetscReal x[3];
@@ -102,16 +102,16 @@ static PetscErrorCode MarkWalls(Rod rod, PetscReal t, Vec U, Brush *brush) {
     PetscInt n;
     PlaceOf(rod, u, k, x);
     n = DentsOf(rod, x, dent);
-    for (PetscInt j = 0; j < n; j++) brush->wall[dent[j].wall] = 1;
+    for (PetscInt j = 0; j < n; j++) graze->wall[dent[j].wall] = 1;
   }
   PetscCall(VecRestoreArrayRead(U, &u));
-  PetscCall(LookAtFeet(rod, t, U, brush, NULL));
+  PetscCall(LookAtFeet(rod, t, U, graze, NULL));
   PetscFunctionReturn(0);
 }
 
-/* Which nodes may have brushed a wall? A gap changes by no more than the way of the place: so it
+/* Which nodes may have grazed a wall? A gap changes by no more than the way of the place: so it
    may where that is longer than the gaps at both its ends together. Collective. */
-static PetscErrorCode AskNodes(Rod rod, PetscReal t1, Vec U0, Vec U1, Brush *brush) {
+static PetscErrorCode AskNodes(Rod rod, PetscReal t1, Vec U0, Vec U1, Graze *graze) {
   const PetscBool move = WallsMove(&rod->scene->contact);
   const PetscScalar *u0, *u1;
   PetscReal x0[3], x1[3];
@@ -128,52 +128,52 @@ static PetscErrorCode AskNodes(Rod rod, PetscReal t1, Vec U0, Vec U1, Brush *bru
     way = rod_rule.way_round * hypot(hypot(x1[0] - x0[0], x1[1] - x0[1]), x1[2] - x0[2]);
     gap = move ? 0 : GapOf(rod, x1, way);
     if (gap < way && !move) gap += PetscMax(0, GapOf(rod, x0, way));
-    brush->node[k] = (char)(move || gap < way);
-    any = any || brush->node[k];
+    graze->node[k] = (char)(move || gap < way);
+    any = any || graze->node[k];
   }
   PetscCall(VecRestoreArrayRead(U1, &u1));
   PetscCall(VecRestoreArrayRead(U0, &u0));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, rod->scene->comm));
-  brush->any = (PetscBool)any;
+  graze->any = (PetscBool)any;
   PetscFunctionReturn(0);
 }
 
 /* Are there walls of which nothing is known to touch them? Collective. */
-static PetscErrorCode SomeAreFree(Rod rod, Brush *brush) {
+static PetscErrorCode SomeAreFree(Rod rod, Graze *graze) {
   const PetscInt n = CountWalls(&rod->scene->contact);
   PetscMPIInt count;
 
   PetscFunctionBegin;
   PetscCall(PetscMPIIntCast(n, &count));
   PetscCallMPI(
-      MPI_Allreduce(MPI_IN_PLACE, brush->wall, count, MPI_CHAR, MPI_MAX, rod->scene->comm));
-  brush->any = PETSC_FALSE;
-  for (PetscInt k = 0; k < n; k++) brush->any = (PetscBool)(brush->any || !brush->wall[k]);
+      MPI_Allreduce(MPI_IN_PLACE, graze->wall, count, MPI_CHAR, MPI_MAX, rod->scene->comm));
+  graze->any = PETSC_FALSE;
+  for (PetscInt k = 0; k < n; k++) graze->any = (PetscBool)(graze->any || !graze->wall[k]);
   PetscFunctionReturn(0);
 }
 
 /*
-  BrushBegin - where may a rod have touched a wall on its way from one state to another, that it
-  touches in neither? Collective; the caller ends it with BrushEnd(). The law of contact is that of
+  GrazeBegin - where may a rod have touched a wall on its way from one state to another, that it
+  touches in neither? Collective; the caller ends it with GrazeEnd(). The law of contact is that of
   t1 on exit.
 
   t0, U0  before      t1, U1  now
 */
-PetscErrorCode BrushBegin(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Brush *brush) {
+PetscErrorCode GrazeBegin(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Graze *graze) {
   PetscFunctionBegin;
-  PetscCall(PetscCalloc2(rod->end - rod->first, &brush->node, CountWalls(&rod->scene->contact),
-                         &brush->wall));
-  PetscCall(AskNodes(rod, t1, U0, U1, brush));
-  if (!brush->any) PetscFunctionReturn(0);
-  PetscCall(MarkWalls(rod, t0, U0, brush));
-  PetscCall(MarkWalls(rod, t1, U1, brush));
-  PetscCall(SomeAreFree(rod, brush));
+  PetscCall(PetscCalloc2(rod->end - rod->first, &graze->node, CountWalls(&rod->scene->contact),
+                         &graze->wall));
+  PetscCall(AskNodes(rod, t1, U0, U1, graze));
+  if (!graze->any) PetscFunctionReturn(0);
+  PetscCall(MarkWalls(rod, t0, U0, graze));
+  PetscCall(MarkWalls(rod, t1, U1, graze));
+  PetscCall(SomeAreFree(rod, graze));
   PetscFunctionReturn(0);
 }
 
-/* BrushDepth - how deep a rod is, at most, in walls that it touches neither before nor now, in a
+/* GrazeDepth - how deep a rod is, at most, in walls that it touches neither before nor now, in a
    state between; 0: in none. Collective; the law of contact is that of t on exit. */
-PetscErrorCode BrushDepth(Rod rod, PetscReal t, Vec U, const Brush *brush, PetscReal *depth) {
+PetscErrorCode GrazeDepth(Rod rod, PetscReal t, Vec U, const Graze *graze, PetscReal *depth) {
   const PetscScalar *u;
   Dent dent[MOST_DENTS];
   PetscReal x[3];
@@ -185,19 +185,19 @@ PetscErrorCode BrushDepth(Rod rod, PetscReal t, Vec U, const Brush *brush, Petsc
   for (PetscInt k = 0; k < rod->end - rod->first; k++) {
     PetscInt n = 0;
     PlaceOf(rod, u, k, x);
-    if (brush->node[k]) n = DentsOf(rod, x, dent);
+    if (graze->node[k]) n = DentsOf(rod, x, dent);
     for (PetscInt j = 0; j < n; j++)
-      if (!brush->wall[dent[j].wall]) *depth = PetscMax(*depth, dent[j].depth);
+      if (!graze->wall[dent[j].wall]) *depth = PetscMax(*depth, dent[j].depth);
   }
   PetscCall(VecRestoreArrayRead(U, &u));
-  PetscCall(LookAtFeet(rod, t, U, brush, depth));
+  PetscCall(LookAtFeet(rod, t, U, graze, depth));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, depth, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
-/* BrushEnd - gives back what BrushBegin() took. */
-PetscErrorCode BrushEnd(Brush *brush) {
+/* GrazeEnd - gives back what GrazeBegin() took. */
+PetscErrorCode GrazeEnd(Graze *graze) {
   PetscFunctionBegin;
-  PetscCall(PetscFree2(brush->node, brush->wall));
+  PetscCall(PetscFree2(graze->node, graze->wall));
   PetscFunctionReturn(0);
 }
