@@ -326,6 +326,30 @@ static void RollByItsArm(const Rod rod, const PetscReal size[], PetscReal scale[
 }
 
 /*
+  LeaveTurned - the scales across of a rod so short that round-off turns dry friction. With l the
+  length over which friction bends it, what friction holds it bent by is gone in the time in which
+  it grows by 0.1 L (L/l)^3. Steps of a tenth of that know the velocity along it to about
+
+    e = 100 eps (l/L)^3,    eps round-off
+
+  of that at which it grows, so which way friction pulls, and what is across: no step is right to
+  less, and shorter ones are right to more still. So a change across is measured against at least so
+  much of the length that all that friction holds is next to nothing beside it.
+*/
+static void LeaveTurned(const Rod rod, const PetscReal size[], PetscReal scale[]) {
+  const Scene scene = rod->scene;
+  const PetscReal reach = RodReach(rod->model, size),
+                  slow = PetscPowReal(scene->units.length / PetscMax(reach, rod_rule.vanished), 3);
+
+  if (!LoadIsDry(&scene->load) || scene->growth->still) return;
+  if (slow * rod->finest < rod_rule.turned_from) return;
+  for (PetscInt f = 0; f < rod->model->fields; f++)
+    if (rod->model->followed[f] && rod->model->group[f] != ALONG)
+      scale[f] = PetscMax(scale[f], rod_rule.turned_part * rod->finest *
+                                        (RodIsPlace(rod->model, f) ? reach : 1));
+}
+
+/*
   RodFieldScales - what a change of each field is measured against: its size, but for fields that
   are made of products of others, and may be no more than what these leave of round-off; and for
   those that begin at 0 and are prescribed from there by a force across the rod, or by a wall that
@@ -361,6 +385,7 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
       scale[f] = rod_rule.unprescribed_part * unit;
   }
   LeaveBlur(rod, axes, size, scale);
+  LeaveTurned(rod, size, scale);
   TwistAcross(rod, rod_rule.prescribed_part, scale);
   if (rod->model->scale) rod->model->scale(scale);
   RollByItsArm(rod, size, scale);

@@ -134,27 +134,17 @@ def impossible_tables_are_refused_in_one_line():
 
 @check
 def a_rod_may_begin_shorter_than_a_grown_cell():
-    """It starts at a hundredth, of which a grown cell is five times as long: straight at once, and
-    stable until it has grown. Its x2 falls below the smallest number there is. A thousandth that begins
-    bent pulls far harder than dry friction does: it is no longer let jump, nor do steps follow what its
-    least viscous share, or a larger one (-friction_mu 0.9), makes of it, and the run says that it gets
-    nowhere. One that begins straight grows."""
+    """It starts at a thousandth or less, of which a grown cell is ten times as long: straight at once, and
+    stable until it has grown. Its x2 falls below the smallest number there is. (Round-off of x1 makes velocities along
+    it that turn dry friction, in the time in which so short a rod comes to rest: steps crept at 1e-16 and got nowhere.)"""
     for law in ("uniform", "gaussian", "feed"):
-        for length in (1e-2, 2e-2, 4e-2):
+        for length in (3e-4, 1e-3, 1e-2):
             r = grown(f"-growth_type {law} -growth_initial_length {length} -rod_cells 100 "
                       "-shape_amplitude 0.1 -ts_max_time 5 -output_interval 1")
             t, tip = r["shapes/t"][1:], r["shapes/x"][1:, -1]
             expect(np.allclose(tip[:, 0], t + length, rtol=1e-9, atol=0), f"{law}: tips {tip[:, 0]}")
             expect(len(t) == 5 and (np.abs(tip[:, 1]) < 1e-8).all(), f"{law}: x2 {tip[:, 1]}")
             expect(r["norm_x2"][-1] < 1e-8, f"{law}: |x2| = {r['norm_x2'][-1]:g}")
-        tips = []
-        for length in (1e-4, 1e-3):
-            short = f"-growth_type {law} -growth_initial_length {length} -rod_cells 100 -ts_max_time 5 "
-            code, err, _ = tendril(f"{short}-shape_amplitude 0.1")
-            expect(code == 1 and len(err.splitlines()) == 1 and err.startswith(("tendril: gave up", "tendril: crawls")),
-                   f"{short}: exit {code}, {err}")
-            tips.append(grown(f"{short}-shape_type straight -rod_curvature 0.1")["shapes/x"][-1, -1])
-        expect(np.hypot(*(tips[1] - tips[0])) < 2e-3, f"{law}: tips {tips}")
 
 
 @check
