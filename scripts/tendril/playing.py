@@ -61,6 +61,7 @@ class Played:
     name: str
     options: dict[str, str]
     walls: list[Wall] = field(default_factory=list)
+    lifted: bool = False  # from the plane into space, so that its stones can be moved
     posts: list[int] = field(default_factory=list)  # lines of those that wait to be put somewhere
 
     @property
@@ -165,6 +166,7 @@ def add_posts(played, directory, move, posts):
     file = Path(directory) / "walls.txt"
     file.write_text("\n".join(lines) + "\n")
     played.options["wall_file"] = str(file)
+    played.lifted = played.options.get("rod_model") != "space"
     played.options["rod_model"] = "space"
     played.walls = walls_in(file)
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import RunError, TendrilError
-from .playing import Played, controls, may_lead_tip, save_scene
+from .playing import NUMBER, Played, controls, may_lead_tip, save_scene
 from .simulation import BY_WORDS, Simulation
 
 KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
@@ -108,7 +108,7 @@ class Session:
         upright = all(not wall.in_space or wall.kind == "cylinder" and wall.numbers[3:6] == ["0", "0", "1"] or
                       wall.kind == "plane" and wall.numbers[5:6] == ["0"] for wall in self.played.walls)
         weight = get("rod_weight", "0,0").split(",")
-        return not self.space or upright and not any(name in self.played.options for name in out) and (len(weight) < 3 or weight[2] == "0")
+        return not self.space or self.played.lifted and upright and not any(name in self.played.options for name in out) and (len(weight) < 3 or weight[2] == "0")
 
     def begin(self):
         self.thread.start()
@@ -463,7 +463,7 @@ class Session:
             if at.get("self_crossings", 0) > last.get("self_crossings", 0):
                 self.happened("it crosses itself")
             fast = max(at.get("tip_speed", 0), at.get("mid_speed", 0)) > FAST
-            if fast and not self.snapping(last):
+            if fast and not self.snapping(last) and at["t"] > 1e-6 * self.end:  # (a start out of balance gives way at once)
                 self.happened("it snaps")
         if took > SLOW:
             self.happened(f"a step took {took:.1f} s: {self.why(at, last)}")
@@ -595,23 +595,35 @@ def drawn_walls(session):
     for wall, line in zip(order, lines):
         words = line.split()
         one = {"line": wall.line, "kind": wall.kind, "moves": wall.in_space, "inside": "inside" in words}
-        numbers = [float(w) for w in words[1:8] if w not in ("inside", "outside", "friction") and not w[:1].isalpha()]
-        if wall.kind == "circle":
+        numbers = [float(w) for w in words[1:8] if NUMBER.fullmatch(w)]
+        if wall.kind in ("tube", "body"):
+            pass
+        elif wall.kind == "circle":
             one |= {"circle": numbers[:3]}
         elif wall.kind == "cylinder" and abs(numbers[5]) > 0.999:
             one |= {"circle": [numbers[0], numbers[1], numbers[6]]}
         elif wall.kind == "sphere":
             one |= {"circle": [numbers[0], numbers[1], numbers[3]], "height": numbers[2]}
-        elif not wall.in_space or wall.kind == "plane" and len(numbers) >= 6 and numbers[5] == 0:
+        elif not wall.in_space or wall.kind == "plane" and wall.in_space and len(numbers) >= 6 and numbers[5] == 0:
             text = line if not wall.in_space else "plane {} {} {} {} friction 0".format(*numbers[:2], *numbers[3:5])
             body, edges = solid(parse(text)[0], (-reach, reach, -reach, reach))
             one |= {"rings": [np.ravel(ring).tolist() for ring in (body.to_polygons(closed_only=False) if body else [])],
                     "lines": [np.ravel(edge).tolist() for edge in edges]}
         if session.space and not session.flat():
             r.attributes["walls"] = line
-            for surface in solids(r):
-                one |= {"vertices": np.round(np.ravel(surface.vertices), 5).tolist()[:60000], "lines3": [np.round(np.ravel(edge), 5).tolist() for edge in surface.lines],
-                        "triangles": np.ravel(surface.triangles).tolist()[:120000]}
+            x = r.shapes["x"]
+            far = np.linspace(-reach, reach, x.shape[1])[None, :, None] * np.ones(x.shape[2])
+            r.shapes["x"] = np.concatenate([x, far])  # surfaces are drawn as far as the rod may come
+            pieces = solids(r)
+            r.shapes["x"] = x
+            if pieces:
+                before = np.cumsum([0] + [len(piece.vertices) for piece in pieces])
+                corners = np.concatenate([piece.vertices for piece in pieces])
+                triangles = np.concatenate([np.asarray(piece.triangles, int).reshape(-1, 3) + k for piece, k in zip(pieces, before)])
+                some = triangles[np.unique(np.linspace(0, max(len(triangles) - 1, 0), min(len(triangles), MOST_TRIANGLES)).astype(int))]
+                used, places = np.unique(some, return_inverse=True)
+                one |= {"vertices": np.round(np.ravel(corners[used]), 5).tolist(), "triangles": np.ravel(places).tolist(),
+                        "lines3": [np.round(np.ravel(edge), 5).tolist() for piece in pieces for edge in piece.lines]}
         found.append(one)
     r.attributes["walls"] = "\n".join(lines)
     return found
@@ -666,6 +678,7 @@ def number_of(value, what):
 
 
 MOST_NODES, PIECES = 301, 28
+MOST_TRIANGLES = 3000  # of a surface, as a page draws it
 
 
 def frame_of(sim, before=None, t=0.0):

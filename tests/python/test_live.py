@@ -203,6 +203,19 @@ class Command(unittest.TestCase):
             self.assertAlmostEqual(on.series["length"][-1], 2 + 0.5 * on.t, delta=1e-9)
             self.assertTrue(on.step())
 
+    def test_each_scene_of_the_gallery_can_be_begun(self):
+        from tendril.playing import prepare
+        from tendril.sessions import Session
+        from tendril.starting_page import scenes
+
+        self.assertGreater(len(scenes()), 20)
+        for name, file in scenes().items():
+            with self.subTest(name), tempfile.TemporaryDirectory() as directory:
+                session = Session(prepare(file, {}, directory), directory)
+                session.step()
+                self.assertGreater(session.whole()["t"], 0)
+                json.dumps(session.scene(), allow_nan=False)
+
     def test_mistakes_are_a_line(self):
         for words, line in ((["no-such-scene"], "no scene of that name"), (["critical"], "nothing that runs"), (["feed", "--port", "70000"], "--port"),
                             (["feed", "--posts", "-1"], "--posts")):

@@ -181,7 +181,8 @@ class Stage {
     const every = Math.max(1, Math.ceil(t.length / 3 / 3000));
     for (let i = 0; i + 2 < t.length; i += 3 * every) {
       const p = [0, 1, 2].map((k) => this.place(v[3 * t[i + k]] + shift[0], v[3 * t[i + k] + 1] + shift[1], v[3 * t[i + k] + 2] + shift[2]));
-      ctx.moveTo(...p[0]); ctx.lineTo(...p[1]); ctx.lineTo(...p[2]); ctx.closePath();
+      const [a, b, c] = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) < (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]) ? [p[0], p[2], p[1]] : p;  // all one way round
+      ctx.moveTo(...a); ctx.lineTo(...b); ctx.lineTo(...c); ctx.closePath();
     }
     ctx.fillStyle = "#b9ad8e";
     ctx.fill();
