@@ -36,6 +36,13 @@ static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observat
     growth += elastic / p->law.S[k] * p->law.S_t[k] - p->moment[k] * (steered ? 0 : p->law.u0_t[k]);
     if (steered) sum->curvature_power -= dl * p->moment[k] * p->law.u0_t[k];
   }
+  if (scene->tropism.any) {
+    sum->natural_angle += dl * p->law.u0[2];
+    sum->natural_angle_2 += dl * p->law.u0[1];
+    sum->natural_bend += dl * (PetscSqr(p->law.u0[1]) + PetscSqr(p->law.u0[2]));
+    sum->tropism_power -= dl * Dot3(p->moment, p->drive);
+    sum->ironing_power -= dl * Dot3(p->moment, p->ironing);
+  }
   sum->norm_x2 += weight * lab[1] * lab[1];
   sum->norm_x2_length += dl * lab[1] * lab[1];
   sum->norm_x3 += weight * lab[2] * lab[2];
@@ -116,6 +123,7 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
   seen->tip_spin = p->spin;
   seen->tip_power = Dot3(tip->n3, p->at.v) - Dot3(contact, p->at.v) + Dot3(tip->m3, omega) -
                     contact[SPIN] * p->spin;
+  seen->tip_angle = tip->theta;
   SpaceToLab(&scene->space, tip->x3, lab);
   seen->tip_x1 = lab[0];
   seen->tip_x2 = lab[1];

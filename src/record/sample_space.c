@@ -42,6 +42,29 @@ static void Fill(PetscReal t, const SampleLaw *law, Sample3 *p) {
   }
 }
 
+/* What the material at a point has learned, beside the natural strains that are
+   given, and how fast that changes; before what follows from strains. */
+static void Learned3(Scene scene, PetscReal t, const NodeLearned *learned, Sample3 *p) {
+  const Tropism *law = &scene->tropism;
+  const PetscReal clock = law->by_rate ? law->rate : p->law.strain / p->law.g;
+  TropismPlace at;
+
+  for (int d = 0; d < 3; d++) {
+    at.x[d] = p->node.x3[d];
+    at.d2[d] = p->d[1][d];
+    at.d3[d] = p->d[2][d];
+  }
+  p->drive[0] = p->ironing[0] = 0;
+  for (int b = 0; b < TROPISM_BENDS; b++) {
+    const int k = 2 - b;
+    const PetscReal elastic = p->moment[k] / p->law.S[k];
+    p->law.u0[k] += learned->bend[b];
+    p->u[k] = elastic + p->law.u0[k];
+    p->drive[k] = clock * TropismDriveAt(law, &at, b, t, learned->signal[b], p->law.u0[k], elastic);
+    p->ironing[k] = clock * law->ironing * elastic;
+  }
+}
+
 /* The friction at a point whose directors turn at p->turns. */
 static void Rub(Scene scene, Sample3 *p) {
   p->spin = p->turns + p->law.c * p->u[0];
@@ -52,6 +75,7 @@ static void Rub(Scene scene, Sample3 *p) {
 /* SampleFill3 - what follows at a point from its node and the laws. */
 void SampleFill3(Scene scene, PetscReal t, const SampleLaw *law, Sample3 *p) {
   Fill(t, law, p);
+  if (scene->tropism.any) Learned3(scene, t, p->node.learned, p);
   Rub(scene, p);
 }
 
@@ -106,6 +130,7 @@ PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
     mid->node.m3[i] += h / 8 * (feet[0][3 + i] - feet[2][3 + i]);
   }
   Fill(t, law, mid);
+  if (scene->tropism.any) Learned3(scene, t, a->node.learned + 1, mid);
   if (feels) mid->turns = turns;
   Rub(scene, mid);
   PetscFunctionReturn(0);

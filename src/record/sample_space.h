@@ -21,7 +21,8 @@ typedef struct {
   SampleLaw law;
   PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
   PetscReal turns, spin, F[RUBS];     /* spin of the directors, of the material; load of friction */
-  const PetscReal *push;              /* of contact, per length; NULL: none */
+  PetscReal drive[3], ironing[3]; /* Dk/Dt of what its material has learned, and that by ironing */
+  const PetscReal *push;          /* of contact, per length; NULL: none */
   Place at;
 } Sample3;
 

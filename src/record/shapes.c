@@ -90,6 +90,8 @@ PetscErrorCode LabNodeAt(Scene scene, PetscReal t, PetscReal s, const Node *node
   PetscFunctionBegin;
   PetscCall(SceneMaterial(scene, s, t, &at));
   PetscCall(PetscMemzero(lab, sizeof(*lab)));
+  for (int b = 0; b < TROPISM_BENDS && scene->tropism.any; b++)
+    at.u0[2 - b] += node->learned[0].bend[b];
   PetscCall(PetscArraycpy(lab->natural, at.u0, 3));
   lab->stretch = at.g;
   (scene->space.rod ? InSpace : InPlane)(scene, node, &at, lab);

@@ -68,6 +68,7 @@ static PetscErrorCode Bow(Scene scene, PetscReal t, const Node *nodes, PetscInt 
     PetscReal B, k0;
     PetscCall(SceneStiffness(scene, s[e], t, &B, NULL));
     PetscCall(SceneCurvature(scene, s[e], t, &k0, NULL));
+    if (scene->tropism.any) k0 += nodes[i + e].learned[0].bend[0];
     *bow += (e ? -h / 8 : h / 8) * g[e] * (nodes[i + e].moment / B + k0);
   }
   PetscFunctionReturn(0);

@@ -105,7 +105,7 @@ static void MidByEnd(PetscReal k, const Law *law, const Point *p,
                      PetscReal by[LEARNED_MOST][LEARNED_MOST], PetscReal by_bend[LEARNED_MOST]) {
   const PetscReal kg = k * law->g, *q = p->at.q;
 
-  memset(by, 0, LEARNED_MOST * sizeof(*by));
+  memset(by, 0, FIELDS * sizeof(*by));
   memset(by_bend, 0, LEARNED_MOST * sizeof(*by_bend));
   for (int d = 0; d < 2; d++) {
     by[X1 + d][X1 + d] = 0.5;

@@ -1,4 +1,5 @@
 #include "rod/learned.h"
+#include "base/clones.h"
 #include <string.h>
 
 /* By what part of a turn the law bends a straight rod, as long as it becomes, towards x2 and x3. */
@@ -51,6 +52,8 @@ PetscErrorCode LearnedDestroy(Rod rod) {
   PetscCall(PetscFree2(self->node, self->cell));
   PetscCall(PetscFree5(self->b, self->x, self->free, self->rhs, self->beside));
   for (int b = 0; b < TROPISM_BENDS; b++) PetscCall(PetscFree(self->border[b]));
+  PetscCall(PetscFree(self->label));
+  PetscCall(PetscFree(self->over));
   PetscCall(PetscFree(rod->learned));
   PetscFunctionReturn(0);
 }
@@ -152,6 +155,19 @@ static PetscErrorCode ShareSignal(Rod rod, const PetscReal *states, PetscReal si
   PetscFunctionReturn(0);
 }
 
+/* Is a place that where material comes in? */
+static PetscBool IsBorn(const Rod rod, PetscInt place) {
+  return (PetscBool)(rod->learned->born && place == 2);
+}
+
+/* LearnedFront - does a front go along the rod, between what was there at first and what has come
+   in, in which what is learned has a corner? */
+PetscBool LearnedFront(const Rod rod) {
+  const Growth growth = rod->scene->growth;
+
+  return (PetscBool)(rod->learned && growth->slides && !growth->rests);
+}
+
 /* LearnedOpen - takes a state and its rates apart. Collective. */
 PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   Learned self = rod->learned;
@@ -159,6 +175,8 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   PetscFunctionBegin;
   PetscCall(Part(rod, at->U, self->u, self->k));
   PetscCall(Part(rod, at->U_t, self->u_t, self->k_t));
+  self->born = (PetscBool)(rod->first == 0 && rod->scene->growth->slides &&
+                           GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
   PetscCall(ShareSignal(rod, self->k, self->signal));
   PetscCall(ShareSignal(rod, self->k_t, self->signal_t));
   PetscFunctionReturn(0);
@@ -183,6 +201,9 @@ PetscErrorCode LearnedFilled(Rod rod, Vec F) {
   PetscReal *f;
 
   PetscFunctionBegin;
+  if (rod->end > rod->last && !self->at_tip) /* places that are none: they stay 0 */
+    PetscCall(PetscArraycpy(self->rows + SignalPlace(rod) * self->per,
+                            self->k + SignalPlace(rod) * self->per, self->per));
   PetscCall(VecGetArrayWrite(F, (PetscScalar **)&f));
   for (PetscInt n = 0; n < rod->end - rod->first; n++) {
     memcpy(f + n * fields, self->row + n * self->mech, (size_t)self->mech * sizeof(*f));
@@ -201,6 +222,8 @@ void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *p
   const PetscReal *k = self->k + place * self->per, *k_t = self->k_t + place * self->per;
   PetscReal *row = self->rows + place * self->per;
 
+  for (PetscInt c = 0; c < self->per && IsBorn(rod, place); c++) row[c] = k[c];
+  if (IsBorn(rod, place)) return;
   for (PetscInt b = 0; b < self->bends; b++) {
     const PetscReal f = self->at_tip      ? self->signal[b]
                         : self->remembers ? k[self->bends + b]
@@ -231,6 +254,10 @@ static void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
   const Tropism *law = &rod->scene->tropism;
   const PetscReal a = self->clock[place];
 
+  if (IsBorn(rod, place)) {
+    *row = (LearnedRow){.own = {1, 1}, .own_memory = {1, 1}};
+    return;
+  }
   row->clock = a;
   for (PetscInt b = 0; b < self->bends; b++) {
     const PetscReal memory = self->remembers ? 1 + law->memory * shift[self->bends + b] : 1,
@@ -255,11 +282,11 @@ void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const Pets
 }
 
 /* y += s x, of the mechanics' unknowns. */
-static inline void Add(PetscInt n, PetscReal s, const PetscReal x[], PetscReal y[]) {
+ALWAYS_INLINE void Add(PetscInt n, PetscReal s, const PetscReal x[], PetscReal y[]) {
   for (PetscInt f = 0; f < n; f++) y[f] += s * x[f];
 }
 
-static inline PetscReal Times(PetscInt n, const PetscReal x[], const PetscReal y[]) {
+ALWAYS_INLINE PetscReal Times(PetscInt n, const PetscReal x[], const PetscReal y[]) {
   PetscReal sum = 0;
 
   for (PetscInt f = 0; f < n; f++) sum += x[f] * y[f];
@@ -267,7 +294,7 @@ static inline PetscReal Times(PetscInt n, const PetscReal x[], const PetscReal y
 }
 
 /* J += column row, of n unknowns. */
-static inline void AddOuter(PetscInt n, const PetscReal column[], const PetscReal row[],
+ALWAYS_INLINE void AddOuter(PetscInt n, const PetscReal column[], const PetscReal row[],
                             PetscReal *J) {
   for (PetscInt i = 0; i < n; i++)
     if (column[i] != 0)
@@ -298,6 +325,27 @@ static void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell, cons
     }
 }
 
+ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
+                            PetscInt n, PetscInt bends, PetscReal *left, PetscReal *right) {
+  const Learned self = rod->learned;
+  const PetscInt at = i - rod->first + 1;
+  LearnedFactor *factor = &self->cell[at];
+  PetscReal *const J[2] = {left, right};
+
+  MakeMid(rod, 2 * at + 1, cell, shift, factor);
+  memcpy(factor->column, cell->column, sizeof(factor->column));
+  for (int e = 0; e < 2; e++) {
+    const LearnedRow *end = &self->node[at + e];
+    for (PetscInt b = 0; b < bends; b++) {
+      PetscReal mid[LEARNED_MOST];
+      memcpy(mid, factor->mid[e][b], sizeof(mid));
+      for (PetscInt c = 0; c < bends; c++) Add(n, factor->chain[e][b][c], end->by[c], mid);
+      AddOuter(n, cell->column[2 * e][b], end->by[b], J[e]);
+      AddOuter(n, cell->column[1][b], mid, J[e]);
+    }
+  }
+}
+
 /*
   LearnedCondense - adds to the derivatives of the equations of the cell behind node i by its nodes
   what comes of the bends learned in it: with dk = free + by.d,
@@ -306,23 +354,10 @@ static void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell, cons
 */
 void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
                      PetscReal *left, PetscReal *right) {
-  const Learned self = rod->learned;
-  const PetscInt n = self->mech, at = i - rod->first + 1;
-  LearnedFactor *factor = &self->cell[at];
-  PetscReal *const J[2] = {left, right};
-
-  MakeMid(rod, 2 * at + 1, cell, shift, factor);
-  memcpy(factor->column, cell->column, sizeof(factor->column));
-  for (int e = 0; e < 2; e++) {
-    const LearnedRow *end = &self->node[at + e];
-    for (PetscInt b = 0; b < self->bends; b++) {
-      PetscReal mid[LEARNED_MOST];
-      memcpy(mid, factor->mid[e][b], sizeof(mid));
-      for (PetscInt c = 0; c < self->bends; c++) Add(n, factor->chain[e][b][c], end->by[c], mid);
-      AddOuter(n, cell->column[2 * e][b], end->by[b], J[e]);
-      AddOuter(n, cell->column[1][b], mid, J[e]);
-    }
-  }
+  if (rod->learned->mech == LINE_FIELDS)
+    Condense(rod, i, cell, shift, LINE_FIELDS, 1, left, right); /* (the compiler unrolls it) */
+  else
+    Condense(rod, i, cell, shift, WIDE_FIELDS, TROPISM_BENDS, left, right);
 }
 
 /* LearnedRows - what LearnedCondense() finds of the middle of a cell, for LearnedMatrix(). */
@@ -555,8 +590,9 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
   PetscFunctionBegin;
   if (self->at_tip && !self->bordered) PetscCall(Border(rod));
   PetscCall(Part(rod, b, self->beside, self->rhs));
+  for (PetscInt c = 0; c < self->bends && self->at_tip && rod->end > rod->last; c++)
+    self->rhs[SignalPlace(rod) * self->per + c] /= self->tip_own[c];
   PetscCall(ShareSignal(rod, self->rhs, signal));
-  for (PetscInt c = 0; c < self->bends && self->at_tip; c++) signal[c] /= self->tip_own[c];
   FreeOf(rod, self->rhs);
   PetscCall(PetscArraycpy(self->b, self->beside + self->mech, owned));
   Fold(rod, self->b);
@@ -658,15 +694,54 @@ static PetscReal Label(const Rod rod, PetscInt place) {
   return place % 2 ? (s[place / 2] + s[place / 2 + 1]) / 2 : s[place / 2];
 }
 
-enum { STENCIL = 6 };
+enum { STENCIL = LEARNED_STENCIL };
+
+/* Beyond the clamp of a rod that is fed the field goes on oddly: what is fed in has learned
+ * nothing.
+ */
+static PetscReal LabelOf(const PetscReal *label, PetscInt place) {
+  return place < 0 ? -label[-place] : label[place];
+}
+
+/* What the weights of places first .. first + STENCIL - 1 are divided by, for all first places from
+   1 - STENCIL / 2 on. */
+static void FindDivisors(const PetscReal *label, PetscInt last, PetscReal (*over)[STENCIL]) {
+  for (PetscInt first = 1 - STENCIL / 2; first + STENCIL <= last + 1; first++)
+    for (int i = 0; i < STENCIL; i++) {
+      PetscReal product = 1;
+      for (int j = 0; j < STENCIL; j++)
+        if (j != i) product *= LabelOf(label, first + i) - LabelOf(label, first + j);
+      over[first - (1 - STENCIL / 2)][i] = 1 / product;
+    }
+}
 
 /* The weights of places first .. first + STENCIL - 1 for a value at a label. */
-static void Weights(const PetscReal *label, PetscInt first, PetscReal at, PetscReal w[STENCIL]) {
+static void Weights(const PetscReal *label, const PetscReal over[STENCIL], PetscInt first,
+                    PetscReal at, PetscReal w[STENCIL]) {
+  PetscReal away[STENCIL], before = 1, behind = 1;
+
   for (int i = 0; i < STENCIL; i++) {
-    w[i] = 1;
-    for (int j = 0; j < STENCIL; j++)
-      if (j != i) w[i] *= (at - label[first + j]) / (label[first + i] - label[first + j]);
+    away[i] = at - LabelOf(label, first + i);
+    w[i] = over[i] * before;
+    before *= away[i];
   }
+  for (int i = STENCIL - 1; i >= 0; i--) {
+    w[i] *= behind;
+    behind *= away[i];
+  }
+}
+
+/* The labels of all places, and what goes with them: once, for the mesh stays. */
+static PetscErrorCode FindLabels(Rod rod) {
+  Learned self = rod->learned;
+  const PetscInt last = 2 * rod->last;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(last + 1, &self->label));
+  PetscCall(PetscMalloc1((last + 1) * STENCIL, (PetscReal **)&self->over));
+  for (PetscInt i = 0; i <= last; i++) self->label[i] = Label(rod, i);
+  FindDivisors(self->label, last, self->over);
+  PetscFunctionReturn(0);
 }
 
 /* All places of a vector's states, node after node, on every rank. */
@@ -696,11 +771,10 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
   PetscFunctionReturn(0);
 }
 
-/* The states of one place where the material was that is at a label: what is fed in is straight,
-   and the field goes on oddly to there, so that it is 0 at the clamp. place: one at or before it,
-   where to look. */
-static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all, PetscReal at,
-                     PetscInt *place, PetscReal k[]) {
+/* The states of one place where the material was that is at a label. place: one at or before it,
+   where to look; least: the first place there is, below 0 where material comes in. */
+static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all, PetscInt least,
+                     PetscReal at, PetscInt *place, PetscReal k[]) {
   const PetscInt per = rod->learned->per, last = 2 * rod->last;
   const PetscReal sign = at < 0 ? -1 : 1;
   PetscReal w[STENCIL];
@@ -709,12 +783,38 @@ static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all
   at = PetscMin(1, PetscAbsReal(at));
   if (label[*place] > at) *place = 0;
   while (*place + 1 < last && label[*place + 1] <= at) (*place)++;
-  first = PetscMax(0, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
-  Weights(label, first, at, w);
+  first = PetscMax(least, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
+  Weights(label, rod->learned->over[first - (1 - STENCIL / 2)], first, at, w);
   for (PetscInt c = 0; c < per; c++) {
     k[c] = 0;
-    for (int i = 0; i < STENCIL; i++) k[c] += sign * w[i] * all[(first + i) * per + c];
+    for (int i = 0; i < STENCIL; i++) {
+      const PetscInt j = first + i;
+      k[c] += sign * w[i] * (j < 0 ? -all[-j * per + c] : all[j * per + c]);
+    }
   }
+}
+
+/* LearnedCarries - do states go along with material that slides past the labels? */
+PetscBool LearnedCarries(const Rod rod) {
+  return (PetscBool)(rod->learned && rod->scene->growth->slides);
+}
+
+/* LearnedTimesRate - V, a change of rates, becomes what it changes the equations of states by. */
+PetscErrorCode LearnedTimesRate(Rod rod, Vec V) {
+  const Learned self = rod->learned;
+  const PetscInt fields = rod->model->fields;
+  PetscScalar *v;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(V, &v));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++)
+    for (PetscInt f = 0; f < fields; f++)
+      v[i * fields + f] *= f < self->mech ? 0
+                           : self->remembers && (f - self->mech) % self->per >= self->bends
+                               ? rod->scene->tropism.memory
+                               : 1;
+  PetscCall(VecRestoreArray(V, &v));
+  PetscFunctionReturn(0);
 }
 
 /*
@@ -729,14 +829,18 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
   const Learned self = rod->learned;
   const Growth growth = rod->scene->growth;
   const PetscInt fields = rod->model->fields, per = self->per, last = 2 * rod->last,
-                 begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1);
-  PetscReal *label, *from, *all, k[2 * TROPISM_BENDS];
+                 begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1),
+                 least =
+                     LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? 1 - STENCIL / 2 : 0;
+  const PetscReal *label;
+  PetscReal *from, *all, k[2 * TROPISM_BENDS];
   PetscScalar *x;
 
   PetscFunctionBegin;
   if (!growth->slides) PetscFunctionReturn(0);
-  PetscCall(PetscMalloc3(last + 1, &label, last + 1, &from, (last + 2) * per, &all));
-  for (PetscInt i = 0; i <= last; i++) label[i] = Label(rod, i);
+  PetscCall(PetscMalloc2(last + 1, &from, (last + 2) * per, &all));
+  if (!self->label) PetscCall(FindLabels(rod));
+  label = self->label;
   PetscCall(VecGetArray(sum, &x));
   for (PetscInt j = 0; j < m; j++) {
     PetscInt at = 0;
@@ -745,12 +849,12 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
     for (PetscInt i = begin; i < end; i++) {
       PetscScalar *to = x + (i / 2 - rod->first) * fields + self->mech + i % 2 * per;
       const PetscReal *w = weight[j] + self->mech + i % 2 * per;
-      StatesAt(rod, label, all, from[i - begin], &at, k);
+      StatesAt(rod, label, all, least, from[i - begin], &at, k);
       for (PetscInt c = 0; c < per; c++) to[c] += w[c] * (k[c] - all[i * per + c]);
     }
   }
   PetscCall(VecRestoreArray(sum, &x));
-  PetscCall(PetscFree3(label, from, all));
+  PetscCall(PetscFree2(from, all));
   PetscFunctionReturn(0);
 }
 
@@ -811,6 +915,7 @@ static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const 
   const LearnedRow *row = &self->node[i - rod->first + 1];
 
   PutOwn(rod, i, 0, row, rows);
+  if (IsBorn(rod, 2 * (i - rod->first + 1))) return;
   for (PetscInt b = 0; b < self->bends; b++) {
     PetscReal of[2][LEARNED_MOST];
     OfPoint(rod, row->clock, slope, b, of[0], of[1]);

@@ -7,7 +7,7 @@
 
 #include "rod/rod.h"
 
-enum { LEARNED_MOST = 13 }; /* unknowns of the mechanics of a node, at most */
+enum { LEARNED_MOST = 13, LEARNED_STENCIL = 6 }; /* unknowns of the mechanics of a node, at most */
 
 /* By the unknowns of a point: what is sensed there, and its elastic bends. */
 typedef struct {
@@ -53,7 +53,8 @@ typedef struct Learned_ {
   PetscReal *u, *u_t;        /* mechanics of nodes first - 1 .. end; node i at i - first + 1 */
   PetscReal *k, *k_t;        /* states; places as of laws: 2 (i - first + 1) + half */
   PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
-  PetscReal drive[2];       /* how much it bends a straight rod towards x2, x3 */
+  PetscBool born;     /* node 0 is here, and material comes in there: it has learned nothing */
+  PetscReal drive[2]; /* how much it bends a straight rod towards x2, x3 */
   PetscReal *given, *clock; /* of places: natural bends that are given, a */
   PetscReal *row;           /* residual of owned nodes: mechanics; behind it those of states */
   PetscReal *rows;
@@ -64,6 +65,7 @@ typedef struct Learned_ {
   PetscBool bordered;      /* border and inverse are of it */
   PetscReal *border[TROPISM_BENDS], inverse[TROPISM_BENDS][TROPISM_BENDS]; /* J^-1 w */
   PetscReal *b, *x, *free; /* room: of owned nodes; free parts of the states of places */
+  PetscReal *label, (*over)[LEARNED_STENCIL]; /* of all places: see LearnedCarry(); NULL: not yet */
   PetscReal *rhs, *beside; /* a right-hand side taken apart: its states, and mechanics */
 } * Learned;
 
@@ -90,6 +92,9 @@ PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const 
                              const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
                              Mat J);
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]);
+PetscBool LearnedFront(const Rod rod);
+PetscBool LearnedCarries(const Rod rod);
+PetscErrorCode LearnedTimesRate(Rod rod, Vec V);
 PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
                             const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum);
 

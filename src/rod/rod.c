@@ -12,6 +12,7 @@ const RodModel *RodModelFor(Scene scene, const RodModel *model) {
 
   if (!law->any) return model;
   if (model == &rod_frame) return remembers ? &rod_frame_remembers : &rod_frame_learns;
+  if (model == &rod_space) return remembers ? &rod_space_remembers : &rod_space_learns;
   return model;
 }
 

@@ -29,7 +29,7 @@ typedef struct {
   PetscInt along, beside;
   PetscReal sign;
 } Pair;
-enum { MOST_PAIRS = 4 };
+enum { MOST_PAIRS = 8 };
 
 /* What the material has learned at a place, about d3 and d2: bends, and the signal that it goes by
    where it remembers one, or the tip sends it. */
@@ -172,7 +172,7 @@ struct _Rod {
 
 extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_space;
 /* the same, whose material learns its natural curvature; that also remembers what it senses */
-extern const RodModel rod_frame_learns, rod_frame_remembers;
+extern const RodModel rod_frame_learns, rod_frame_remembers, rod_space_learns, rod_space_remembers;
 extern const OptionGroup frame_options;
 
 const RodModel *RodModelFor(Scene scene, const RodModel *model);

@@ -58,9 +58,13 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
 
   PetscFunctionBegin;
   PetscCall(SpaceCellsOpen(rod, at, &cell));
-  PetscCall(DMDAVecGetArray(rod->da, F, &F_));
+  if (rod->learned)
+    PetscCall(LearnedFill(rod, F, &F_));
+  else
+    PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
+    if (rod->learned) SpaceLearnedResidual(rod, at->t, i, cell.a, cell.mid);
     for (int f = 0; f < FIELDS; f++)
       r[f] = cell.u[i + 1][f] - cell.u[i][f] -
              cell.h * (self->end_weight * (cell.a->f[f] + cell.b->f[f]) +
@@ -77,8 +81,12 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
       F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];
       if (cell.couple) F_[rod->last][M + d] -= cell.couple[2 * rod->last + 1][d];
     }
+    if (rod->learned) SpaceLearnedResidual(rod, at->t, rod->last, cell.b, NULL);
   }
-  PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
+  if (rod->learned)
+    PetscCall(LearnedFilled(rod, F));
+  else
+    PetscCall(DMDAVecRestoreArray(rod->da, F, &F_));
   PetscCall(SpaceCellsClose(&cell));
   PetscFunctionReturn(0);
 }
@@ -105,62 +113,67 @@ static void SpaceMoments(const PetscReal u[], const PetscReal change[], PetscRea
 
 /* Is an owned node turned by half a turn or more, p0.p1 <= 0? The same on every rank. */
 static PetscErrorCode SpaceTurned(Rod rod, Vec U0, Vec U1, PetscBool *turned) {
-  const PetscReal(*a)[FIELDS], (*b)[FIELDS];
+  const PetscInt fields = rod->model->fields, n = (rod->end - rod->first) * fields;
+  const PetscReal *a, *b;
 
   PetscFunctionBegin;
   *turned = PETSC_FALSE;
-  PetscCall(DMDAVecGetArrayRead(rod->da, U0, (void *)&a));
-  PetscCall(DMDAVecGetArrayRead(rod->da, U1, (void *)&b));
-  for (PetscInt i = rod->first; i < rod->end; i++) {
+  PetscCall(VecGetArrayRead(U0, (const PetscScalar **)&a));
+  PetscCall(VecGetArrayRead(U1, (const PetscScalar **)&b));
+  for (PetscInt i = 0; i < n; i += fields) {
     PetscReal dot = 0;
-    for (int k = 0; k < 4; k++) dot += a[i][P + k] * b[i][P + k];
+    for (int k = 0; k < 4; k++) dot += a[i + P + k] * b[i + P + k];
     if (!(dot > 0)) *turned = PETSC_TRUE;
   }
-  PetscCall(DMDAVecRestoreArrayRead(rod->da, U0, (void *)&a));
-  PetscCall(DMDAVecRestoreArrayRead(rod->da, U1, (void *)&b));
+  PetscCall(VecRestoreArrayRead(U0, (const PetscScalar **)&a));
+  PetscCall(VecRestoreArrayRead(U1, (const PetscScalar **)&b));
   if (!rod->alone)
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, turned, 1, MPIU_BOOL, MPI_LOR, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode SpaceSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
-  PetscReal(*u)[FIELDS];
+  PetscReal *u, *at;
 
   PetscFunctionBegin;
-  PetscCall(DMDAVecGetArray(rod->da, U, &u));
-  for (PetscInt i = rod->first; i < rod->end; i++) {
-    const Node *node = &nodes[i - rod->first];
-    PetscCall(PetscArraycpy(u[i] + X, node->x3, 3));
-    PetscCall(PetscArraycpy(u[i] + P, node->p, 4));
-    PetscCall(PetscArraycpy(u[i] + M, node->m3, 3));
-    PetscCall(PetscArraycpy(u[i] + N, node->n3, 3));
+  PetscCall(VecGetArray(U, (PetscScalar **)&u));
+  at = u;
+  for (PetscInt i = 0; i < rod->end - rod->first; i++, at += rod->model->fields) {
+    PetscCall(PetscArraycpy(at + X, nodes[i].x3, 3));
+    PetscCall(PetscArraycpy(at + P, nodes[i].p, 4));
+    PetscCall(PetscArraycpy(at + M, nodes[i].m3, 3));
+    PetscCall(PetscArraycpy(at + N, nodes[i].n3, 3));
   }
-  PetscCall(DMDAVecRestoreArray(rod->da, U, &u));
+  PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
+  if (rod->learned) PetscCall(LearnedSet(rod, nodes, U));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
-  const PetscReal(*u)[FIELDS], (*u_t)[FIELDS] = NULL;
+  const PetscInt fields = rod->model->fields;
+  const PetscReal *u, *u_t = NULL;
 
   PetscFunctionBegin;
-  PetscCall(DMDAVecGetArrayRead(rod->da, U, &u));
-  if (U_t) PetscCall(DMDAVecGetArrayRead(rod->da, U_t, &u_t));
-  for (PetscInt i = rod->first; i < rod->end; i++) {
-    Node *node = &nodes[i - rod->first];
+  PetscCall(VecGetArrayRead(U, (const PetscScalar **)&u));
+  if (U_t) PetscCall(VecGetArrayRead(U_t, (const PetscScalar **)&u_t));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++) {
+    const PetscReal *at = u + i * fields, *at_t = u_t + i * fields;
+    Node *node = &nodes[i];
     PetscCall(PetscMemzero(node, sizeof(*node)));
-    PetscCall(PetscArraycpy(node->x3, u[i] + X, 3));
-    PetscCall(PetscArraycpy(node->p, u[i] + P, 4));
-    PetscCall(PetscArraycpy(node->m3, u[i] + M, 3));
-    PetscCall(PetscArraycpy(node->n3, u[i] + N, 3));
+    PetscCall(PetscArraycpy(node->x3, at + X, 3));
+    PetscCall(PetscArraycpy(node->p, at + P, 4));
+    PetscCall(PetscArraycpy(node->m3, at + M, 3));
+    PetscCall(PetscArraycpy(node->n3, at + N, 3));
     if (U_t) {
-      PetscCall(PetscArraycpy(node->x3_t, u_t[i] + X, 3));
-      PetscCall(PetscArraycpy(node->p_t, u_t[i] + P, 4));
-      PetscCall(PetscArraycpy(node->m3_t, u_t[i] + M, 3));
+      PetscCall(PetscArraycpy(node->x3_t, at_t + X, 3));
+      PetscCall(PetscArraycpy(node->p_t, at_t + P, 4));
+      PetscCall(PetscArraycpy(node->m3_t, at_t + M, 3));
     }
     RodPlanePart(node);
   }
-  if (U_t) PetscCall(DMDAVecRestoreArrayRead(rod->da, U_t, &u_t));
-  PetscCall(DMDAVecRestoreArrayRead(rod->da, U, &u));
+  if (U_t) PetscCall(VecRestoreArrayRead(U_t, (const PetscScalar **)&u_t));
+  PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&u));
+  if (rod->learned) PetscCall(LearnedGet(rod, U, nodes));
   PetscFunctionReturn(0);
 }
 
@@ -217,6 +230,7 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   self->mid_weight = choice ? 4. / 6 : 1;
   self->bow = choice ? 1. / 8 : 0;
   self->time = PETSC_MIN_REAL;
+  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, TROPISM_BENDS));
   rod->memory = SpaceRemembers(&rod->scene->load);
   self->duals = rod->scene->load.duals3;
   SpaceCellsForget(self);
@@ -246,33 +260,50 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-const RodModel rod_space = {
-    .name = "space",
-    .space = PETSC_TRUE,
-    .fields = FIELDS,
-    .stencil = 1,
-    .field = {"x1", "x2", "x3", "p0", "p1", "p2", "p3", "m1", "m2", "m3", "n1", "n2", "n3"},
-    .followed = {PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE,
-                 PETSC_TRUE},
-    .group = {ALONG, ACROSS_2, ACROSS_3, ALONG, TWIST, ACROSS_3, ACROSS_2, TWIST, ACROSS_3,
-              ACROSS_2, ALONG, ACROSS_2, ACROSS_3},
-    .pairs = 4,
-    .pair = {{1, 2, 1}, {P + 3, P + 2, -1}, {M + 2, M + 1, -1}, {N + 1, N + 2, 1}},
-    .halves = {LEFT, RIGHT},
-    .refuses = SpaceRefuses,
-    .create = SpaceCreate,
-    .destroy = SpaceDestroy,
-    .initial = SpaceInitial,
-    .scale = SpaceScale,
-    .set = SpaceSet,
-    .get = SpaceGet,
-    .residual = SpaceResidual,
-    .defect = SpaceDefect,
-    .moments = SpaceMoments,
-    .turned = SpaceTurned,
-    .hold = SpaceHold,
-    .bears = SpaceBears,
-    .remember = SpaceRemember,
-    .recall = SpaceRecall,
-    .jacobian = SpaceJacobian,
-    .eliminate = SpaceEliminate};
+/* What the model is, whatever its material learns. */
+#define SPACE                                                                                      \
+  .name = "space", .space = PETSC_TRUE, .stencil = 1, .halves = {LEFT, RIGHT},                     \
+  .refuses = SpaceRefuses, .create = SpaceCreate, .destroy = SpaceDestroy,                         \
+  .initial = SpaceInitial, .scale = SpaceScale, .set = SpaceSet, .get = SpaceGet,                  \
+  .residual = SpaceResidual, .defect = SpaceDefect, .moments = SpaceMoments,                       \
+  .turned = SpaceTurned, .hold = SpaceHold, .bears = SpaceBears, .remember = SpaceRemember,        \
+  .recall = SpaceRecall, .jacobian = SpaceJacobian, .eliminate = SpaceEliminate
+#define NAMES "x1", "x2", "x3", "p0", "p1", "p2", "p3", "m1", "m2", "m3", "n1", "n2", "n3"
+#define FIRST_FOLLOWED                                                                             \
+  PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE
+#define UNFOLLOWED PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE
+#define MIRRORED                                                                                   \
+  ALONG, ACROSS_2, ACROSS_3, ALONG, TWIST, ACROSS_3, ACROSS_2, TWIST, ACROSS_3, ACROSS_2, ALONG,   \
+      ACROSS_2, ACROSS_3
+#define PAIRS                                                                                      \
+  {1, 2, 1}, {P + 3, P + 2, -1}, {M + 2, M + 1, -1}, {                                             \
+    N + 1, N + 2, 1                                                                                \
+  }
+#define BENDS(first)                                                                               \
+  { FIELDS + (first), FIELDS + (first) + 1, -1 }
+
+const RodModel rod_space = {SPACE,
+                            .fields = FIELDS,
+                            .field = {NAMES},
+                            .followed = {FIRST_FOLLOWED},
+                            .group = {MIRRORED},
+                            .pairs = 4,
+                            .pair = {PAIRS}};
+const RodModel rod_space_learns = {
+    SPACE,
+    .fields = FIELDS + 4,
+    .field = {NAMES, "k3", "k2", "k3_mid", "k2_mid"},
+    .followed = {FIRST_FOLLOWED, UNFOLLOWED, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
+    .group = {MIRRORED, ACROSS_2, ACROSS_3, ACROSS_2, ACROSS_3},
+    .pairs = 6,
+    .pair = {PAIRS, BENDS(0), BENDS(2)}};
+const RodModel rod_space_remembers = {
+    SPACE,
+    .fields = FIELDS + 8,
+    .field = {NAMES, "k3", "k2", "f3", "f2", "k3_mid", "k2_mid", "f3_mid", "f2_mid"},
+    .followed = {FIRST_FOLLOWED, UNFOLLOWED, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE,
+                 PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
+    .group = {MIRRORED, ACROSS_2, ACROSS_3, ACROSS_2, ACROSS_3, ACROSS_2, ACROSS_3, ACROSS_2,
+              ACROSS_3},
+    .pairs = 8,
+    .pair = {PAIRS, BENDS(0), BENDS(2), BENDS(4), BENDS(6)}};

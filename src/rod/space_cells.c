@@ -86,6 +86,7 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
       if (scene->load.radius > 0) PetscCall(SceneTwistRate(scene, law->s, t, &law->twist));
     }
   self->time = t;
+  if (rod->learned) SpaceLearnedLaws(rod, t);
   PetscFunctionReturn(0);
 }
 
@@ -188,8 +189,14 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->push = cell->couple = NULL;
   if (self->strands) PetscCall(StrandRowsLoad(rod, self->strands, at, &cell->push, &cell->couple));
   cell->s = rod->scene->mesh.s;
-  PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
-  PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
+  if (rod->learned) {
+    PetscCall(SpaceLearnedOpen(rod, at));
+    cell->u = (const PetscReal(*)[FIELDS])rod->learned->u + 1 - rod->first;
+    cell->u_t = (const PetscReal(*)[FIELDS])rod->learned->u_t + 1 - rod->first;
+  } else {
+    PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
+    PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
+  }
   PetscCall(Recognise(self, at, cell));
   cell->b = NodePoint(cell, PetscMax(rod->first - 1, 0));
   PetscFunctionReturn(0);
@@ -198,6 +205,7 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
 /* SpaceCellsClose - ends a walk. Collective. */
 PetscErrorCode SpaceCellsClose(Cell *cell) {
   PetscFunctionBegin;
+  if (cell->rod->learned) PetscFunctionReturn(0);
   PetscCall(RodClose(cell->rod, &cell->local[0], &cell->u));
   PetscCall(RodClose(cell->rod, &cell->local[1], &cell->u_t));
   PetscFunctionReturn(0);

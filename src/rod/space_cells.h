@@ -5,6 +5,7 @@
 
 #include "rod/directors.h"
 #include "rod/feet.h"
+#include "rod/learned.h"
 #include "rod/rod.h"
 #include "rod/strand_rows.h"
 #include "rod/spin.h"
@@ -178,6 +179,13 @@ PetscErrorCode SpaceRecall(Rod rod, Vec memory);
 
 /* space_start.c */
 PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes);
+
+/* space_learned.c */
+void SpaceLearnedLaws(Rod rod, PetscReal t);
+PetscErrorCode SpaceLearnedOpen(Rod rod, const RodState *at);
+void SpaceLearnedResidual(Rod rod, PetscReal t, PetscInt i, const Point *p, const Point *mid);
+void SpaceLearnedSlope(const Rod rod, const Law *law, const Point *p, LearnedSlope *slope);
+void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4]);
 
 /* space_defect.c */
 PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);

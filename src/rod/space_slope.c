@@ -420,6 +420,121 @@ static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift
                SpaceTipDual(rod), by);
 }
 
+/* A cell's equations by the bend learned at one of its ends: that turns p' there, and so p in the
+   middle by k times that. e: the end, a (0) or b (1). */
+static void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid, PetscReal column[FIELDS],
+                     PetscReal by_bend[FIELDS]) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const PetscReal k = (e ? -1 : 1) * self->bow * cell->h, we = cell->h * self->end_weight,
+                  wm = cell->h * self->mid_weight, wg = wm * cell->law[1].g;
+  const Point *p = e ? cell->b : cell->a;
+  PetscReal turned[4], turn[RUBS][FIELDS] = {{0}}, dW[RUBS] = {0};
+
+  SpaceLearnedTurn(&cell->law[2 * e], p, bend, turned);
+  memset(column, 0, FIELDS * sizeof(*column));
+  memset(by_bend, 0, FIELDS * sizeof(*by_bend));
+  for (int j = 0; j < 4; j++) {
+    by_bend[P + j] = k * turned[j];
+    column[P + j] = -we * turned[j];
+  }
+  if (cell->cubic)
+    SlideSlope(cell->load, &cell->law[1], mid, turn);
+  else
+    TurnSlope(cell->load, &cell->law[1], cell->mid, mid, turn);
+  for (int r = 0; r < FIELDS; r++)
+    for (int j = 0; j < 4; j++) column[r] -= wm * mid->f[r][P + j] * by_bend[P + j];
+  for (int c = 0; c < RUBS; c++)
+    for (int j = 0; j < 4; j++) dW[c] += turn[c][P + j] * by_bend[P + j];
+  if (cell->cubic) /* the spin's slope there has - g u_k d_k.d1_t */
+    dW[SPIN] -= cell->load->arm * k * cell->law[2 * e].g * Dot3(p->d[bend ? 1 : 2], p->d1_t);
+  for (int i = 0; i < 3; i++)
+    for (int c = 0; c < RUBS; c++) {
+      column[N + i] -= wg * mid->load.W[i][c] * dW[c];
+      if (cell->load->arm > 0 && !cell->split)
+        column[M + i] -= wg * cell->mid->d[0][i] * mid->load.W[SPIN][c] * dW[c];
+    }
+  if (cell->feet.n) {
+    PetscReal by_p[4][4], by_w[4][3];
+    KinkSlope(cell, by_p, by_w);
+    for (int i = 0; i < 4; i++)
+      for (int j = 0; j < 4; j++) column[P + i] -= by_p[i][j] * by_bend[P + j];
+  }
+}
+
+/* What the material of a cell has learned, for learned.h. */
+static void LearnedOf(const Cell *cell, const Slopes *slopes, LearnedCell *learned) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const Point *at[3] = {cell->a, cell->mid, cell->b};
+  const Slope *end[2] = {&slopes->a, &slopes->b};
+
+  for (int k = 0; k < 3; k++)
+    SpaceLearnedSlope(cell->rod, &cell->law[k], at[k], &learned->slope[k]);
+  for (int e = 0; e < 2; e++) {
+    const PetscReal k = (e ? -1 : 1) * self->bow * cell->h;
+    for (int i = 0; i < FIELDS; i++)
+      for (int j = 0; j < FIELDS; j++)
+        learned->by_node[e][i][j] = k * end[e]->f[i][j] + (i == j ? 0.5 : 0);
+    for (int b = 0; b < TROPISM_BENDS; b++)
+      ColumnOf(cell, e, b, &slopes->mid, learned->column[2 * e][b], learned->by_bend[e][b]);
+  }
+  for (int b = 0; b < TROPISM_BENDS; b++) {
+    PetscReal turned[4];
+    SpaceLearnedTurn(&cell->law[1], cell->mid, b, turned);
+    memset(learned->column[1][b], 0, sizeof(learned->column[1][b]));
+    for (int j = 0; j < 4; j++)
+      learned->column[1][b][P + j] = -cell->h * self->mid_weight * turned[j];
+  }
+}
+
+/* Condenses it. */
+static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscReal shift[],
+                     const Slopes *slopes, PetscReal left[FIELDS][FIELDS],
+                     PetscReal right[FIELDS][FIELDS]) {
+  LearnedCell learned;
+
+  LearnedOf(cell, slopes, &learned);
+  if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[0], shift);
+  LearnedNodeSlope(cell->rod, i + 1, &learned.slope[2], shift);
+  LearnedCondense(cell->rod, i, &learned, shift, left[0], right[0]);
+  if (i + 1 == cell->rod->last) LearnedSignalSlope(cell->rod, &learned.slope[2], shift);
+}
+
+/* SpaceJacobian(), of a rod whose material learns its natural curvature. */
+static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
+  const PetscInt begin = PetscMax(rod->first - 1, 0);
+  PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], of_begin[LEFT][FIELDS], by[RIGHT][FIELDS],
+      *room;
+  LearnedCell learned;
+  Slopes slopes;
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(8 * PetscSqr(rod->model->fields), &room));
+  PetscCall(SpaceCellsOpen(rod, at, &cell));
+  if (rod->first == 0) SpaceClampBlock(rod->scene, at->t, cell.u[0], of_begin);
+  for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
+    SpaceCellsNext(&cell, i);
+    CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
+    LearnedOf(&cell, &slopes, &learned);
+    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedRows(rod, i, &learned, at->shift);
+    PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
+                            &learned.slope[0], NULL, room, J));
+  }
+  if (rod->end > rod->last) {
+    TipBlock(&cell, &slopes.b, at->shift, by);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
+    LearnedSignalSlope(rod, &learned.slope[2], at->shift);
+    PetscCall(
+        LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], by[0], room, J));
+  }
+  PetscCall(SpaceCellsClose(&cell));
+  PetscCall(PetscFree(room));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
 /* What strands need to know of the cell behind a node. */
 static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
   const Space_ *self = (const Space_ *)cell->rod->data;
@@ -450,6 +565,10 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
   Rows row;
 
   PetscFunctionBegin;
+  if (rod->learned) {
+    PetscCall(LearnedJacobian(rod, at, J));
+    PetscFunctionReturn(0);
+  }
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   if (self->strands) PetscCall(StrandRowsPattern(rod, self->strands, at->fresh, J));
   PetscCall(PetscMemzero(row, sizeof(row)));
@@ -550,6 +669,8 @@ PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination eliminati
     SpaceCellsNext(&cell, i);
     if (i >= rod->first) WideBlocks(line, &left, &right);
     CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
+    if (rod->learned && !at->counts)
+      Condense(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
     if (i < rod->first) continue;
     Arms(cell.a, &arms);
     WideArm(line, &arms);
@@ -564,6 +685,7 @@ PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination eliminati
     WideEnd(line, (const PetscReal(*)[FIELDS])by);
   }
   PetscCall(SpaceCellsClose(&cell));
+  if (rod->learned && !at->counts) LearnedCondensed(rod, elimination);
   if (keeps)
     PetscCall(EliminationGather(elimination, gives_way ? (const PetscReal(*)[RIGHT])gives : NULL,
                                 &arms, ends ? (const PetscReal(*)[FIELDS])by : NULL));

@@ -335,10 +335,20 @@ static void Ratios(const PetscReal now[MIRRORS], const PetscReal before[MIRRORS]
   ratio[TWIST] = ratio[ACROSS_2] * ratio[ACROSS_3];
 }
 
+/* Does what the material learns drive the rod across? Then what is there rises as a power of the
+   time at first, and no factor is taken from it: errors of what has been learned do not rise with
+   it. */
+static PetscBool Driven(const Estimate self, int mirror) {
+  const Learned learned = self->leg->rod->learned;
+
+  return (PetscBool)(learned && learned->drive[mirror] > 0);
+}
+
 /* The largest x2 and x3, of the sizes of fields. */
 static void Across(const Estimate self, const PetscReal size[MAX_FIELDS],
                    PetscReal across[MIRRORS]) {
-  for (int k = 0; k < MIRRORS; k++) across[k] = k < self->mirrors ? size[1 + k] : 0;
+  for (int k = 0; k < MIRRORS; k++)
+    across[k] = k < self->mirrors && !Driven(self, k) ? size[1 + k] : 0;
 }
 
 /* Where the rod's vectors have a field of coarse node k; below 0: on another rank. What the
@@ -467,7 +477,7 @@ static void Sizes(const Estimate self, PetscReal size[MIRRORS], PetscReal rate[M
   PetscReal both = 0;
 
   for (int k = 0; k < MIRRORS; k++)
-    size[k] = k < self->mirrors ? SizeOf(self, 1 + k, &rate[k]) : (rate[k] = 0);
+    size[k] = k < self->mirrors && !Driven(self, k) ? SizeOf(self, 1 + k, &rate[k]) : (rate[k] = 0);
   if (!Alike(size)) return;
   for (int k = 0; k < MIRRORS; k++) both += PetscSqr(size[k] / hypot(size[0], size[1])) * rate[k];
   for (int k = 0; k < MIRRORS; k++) rate[k] = both;
@@ -769,7 +779,7 @@ static PetscErrorCode CarryErrors(Estimate self, PetscReal t, int part) {
   PetscReal weight[1][MAX_FIELDS], *e;
 
   PetscFunctionBegin;
-  if (!self->rod->learned || !self->scene->growth->slides) PetscFunctionReturn(0);
+  if (!LearnedCarries(self->rod)) PetscFunctionReturn(0);
   for (int f = 0; f < MAX_FIELDS; f++) weight[0][f] = 1;
   PetscCall(VecGetArrayWrite(self->nudged, (PetscScalar **)&e));
   PetscCall(PetscArraycpy(e, self->e[part], self->nodes * self->fields));

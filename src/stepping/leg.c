@@ -12,6 +12,7 @@
    step). */
 static PetscErrorCode SetTolerance(Leg *leg) {
   const PetscInt fields = leg->rod->model->fields;
+  const PetscBool front = LearnedFront(leg->rod); /* angles tell of what is learned there */
   PetscReal most[MAX_FIELDS];
   PetscScalar *a;
   PetscInt n;
@@ -19,7 +20,7 @@ static PetscErrorCode SetTolerance(Leg *leg) {
   PetscFunctionBegin;
   for (PetscInt f = 0; f < fields; f++) {
     const PetscReal least = rod_rule.vanished * RodFieldUnit(leg->rod, f);
-    most[f] = leg->rod->model->followed[f]
+    most[f] = leg->rod->model->followed[f] && !(front && f >= leg->rod->learned->mech)
                   ? step_rule.step_share *
                         PetscMax(leg->ease.times * leg->rtol *
                                      PetscMax(leg->size[f],
@@ -171,6 +172,19 @@ static PetscErrorCode CarryLearned(TS ts, PetscReal t, PetscInt m, const PetscRe
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, sum));
+  PetscFunctionReturn(0);
+}
+
+/* Only vbdf can, whose formula is one along the material. */
+static PetscErrorCode CarryAlong(TS ts) {
+  PetscBool vbdf;
+
+  PetscFunctionBegin;
+  PetscCall(PetscObjectTypeCompare((PetscObject)ts, TSVBDF, &vbdf));
+  UserCheck(vbdf, OptionsComm(),
+            "-ts_type: where material slides past the labels (feed, apical), what it learns by "
+            "-tropism_ options takes vbdf");
+  PetscCall(VBDFSetCarry(ts, CarryLearned));
   PetscFunctionReturn(0);
 }
 
@@ -538,7 +552,7 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(RodIsDry(leg->rod) || !touches)));
   PetscCall(FreeTurns(leg));
   PetscCall(VBDFSetFactored(leg->ts, leg->rod->model->fields, leg->rod->model->group));
-  if (leg->rod->learned && scene->growth->slides) PetscCall(VBDFSetCarry(leg->ts, CarryLearned));
+  if (LearnedCarries(leg->rod)) PetscCall(CarryAlong(leg->ts));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, CrossesMode));

@@ -18,6 +18,7 @@
 */
 #include "stepping/tangent.h"
 #include "base/compat.h"
+#include "rod/learned.h"
 #include "stepping/vbdf.h"
 
 typedef struct {
@@ -158,6 +159,43 @@ static PetscErrorCode Force(Tangents self, const TangentOf *of, PetscReal t, Vec
   PetscFunctionReturn(0);
 }
 
+/* Makes of a sum of n points from `first` on, over a number, one along the material, as a rod has
+   it: where that slides past the labels. */
+static PetscErrorCode Carry(Tangents self, Rod rod, PetscInt first, PetscInt n, Vec point[],
+                            PetscReal weight[][VBDF_FIELDS], PetscReal over, Vec X) {
+  PetscReal times[VBDF_POINTS], part[VBDF_POINTS][VBDF_FIELDS];
+  PetscInt points, order;
+  Vec past[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  if (!LearnedCarries(rod)) PetscFunctionReturn(0);
+  PetscCall(VBDFGetHistory(self->leg->ts, &points, times, past, &order));
+  for (PetscInt k = 0; k < n; k++) {
+    times[first + k] += self->t;
+    for (int f = 0; f < VBDF_FIELDS; f++) part[k][f] = weight[first + k][f] / over;
+  }
+  PetscCall(
+      LearnedCarry(rod, self->t, n, times + first, point ? point + first : past + first, part, X));
+  PetscFunctionReturn(0);
+}
+
+/* F -= F_U_t of what the way of the material changes in U_t with a number. */
+static PetscErrorCode ForceByWay(Tangents self, const TangentOf *of, PetscInt n,
+                                 PetscReal weight[][VBDF_FIELDS], Vec F) {
+  Vec by;
+
+  PetscFunctionBegin;
+  if (!LearnedCarries(self->leg->rod)) PetscFunctionReturn(0);
+  PetscCall(VecDuplicate(F, &by));
+  PetscCall(VecZeroEntries(by));
+  PetscCall(Carry(self, of->high, 1, n - 1, NULL, weight, of->apart, by));
+  PetscCall(Carry(self, of->low, 1, n - 1, NULL, weight, -of->apart, by));
+  PetscCall(LearnedTimesRate(self->leg->rod, by));
+  PetscCall(VecAXPY(F, -1, by));
+  PetscCall(VecDestroy(&by));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Follow(Tangents self, Tangent *tangent, KSP ksp, PetscInt n,
                              PetscReal weight[][VBDF_FIELDS]) {
   Vec S = tangent->point[VBDF_POINTS - 1];
@@ -166,11 +204,15 @@ static PetscErrorCode Follow(Tangents self, Tangent *tangent, KSP ksp, PetscInt 
   for (int j = VBDF_POINTS - 1; j > 0; j--) tangent->point[j] = tangent->point[j - 1];
   tangent->point[0] = S;
   PetscCall(Sum(self, n - 1, tangent->point + 1, weight + 1, weight[0][0], self->past));
+  PetscCall(
+      Carry(self, self->leg->rod, 1, n - 1, tangent->point, weight, weight[0][0], self->past));
   PetscCall(Force(self, &tangent->of, self->t, S, self->work));
+  PetscCall(ForceByWay(self, &tangent->of, n, weight, self->work));
   PetscCall(MatMultAdd(self->beside, self->past, self->work, self->work));
   PetscCall(KSPSolve(ksp, self->work, S));
   PetscCall(VecAXPY(S, -1, self->past));
   PetscCall(Sum(self, n, tangent->point, weight, 1, tangent->rate));
+  PetscCall(Carry(self, self->leg->rod, 1, n - 1, tangent->point, weight, 1, tangent->rate));
   PetscFunctionReturn(0);
 }
 

@@ -99,6 +99,9 @@ static PetscErrorCode RunTask(Scene scene, const Single *asked, Member *member) 
   PetscBool bent = PETSC_FALSE;
 
   PetscFunctionBegin;
+  UserCheck(!scene->tropism.any || asked->task == TASK_GROW, scene->comm,
+            "-tropism_, -growth_ironing: -task critical and stability do not know of a natural "
+            "curvature that the material learns; take them out");
   if (asked->task == TASK_CRITICAL) PetscCall(BentAsked(scene, &bent));
   if (!bent && (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL))
     PetscCall(CheckStraight(scene));

@@ -94,6 +94,23 @@ static void TestDrivenJacobians(void **state) {
   RemoveFile(file);
 }
 
+/* ... whose material learns its natural curvature, by all that it may go by. */
+static void TestLearnedJacobians(void **state) {
+  static const char *const senses[] = {"", " -tropism_memory 0.4", " -tropism_sensed tip",
+                                       " -tropism_sensed tip -tropism_memory 0.4"};
+  char more[256];
+
+  for (int m = 0; m < MIXED; m++)
+    for (int law = 0; law < LAWS; law++)
+      for (size_t k = 0; k < sizeof(senses) / sizeof(senses[0]); k++) {
+        (void)snprintf(more, sizeof(more),
+                       " -tropism_gravity 2 -tropism_direction 0.3,-1 -tropism_light 1 "
+                       "-tropism_source 4,5 -tropism_proprioception 1.5 -growth_ironing 3%s%s",
+                       senses[k], law == FEED ? " -tropism_rate 0.7" : "");
+        JacobianByRate(&models[m], law, 3, more);
+      }
+}
+
 static void TestJacobians(void **state) {
   for (int m = 0; m < MODELS; m++)
     for (int law = 0; law < LAWS; law++) {
@@ -364,8 +381,8 @@ static void TestGrowNodes(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians), cmocka_unit_test(TestDrivenJacobians),
-    cmocka_unit_test(TestWorld),     cmocka_unit_test(TestPrimalDual),
-    cmocka_unit_test(TestMirror),    cmocka_unit_test(TestSetAndGet),
-    cmocka_unit_test(TestGrowNodes)};
+    cmocka_unit_test(TestJacobians),       cmocka_unit_test(TestLearnedJacobians),
+    cmocka_unit_test(TestDrivenJacobians), cmocka_unit_test(TestWorld),
+    cmocka_unit_test(TestPrimalDual),      cmocka_unit_test(TestMirror),
+    cmocka_unit_test(TestSetAndGet),       cmocka_unit_test(TestGrowNodes)};
 MAIN(tests)

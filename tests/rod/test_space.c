@@ -67,6 +67,24 @@ static void JacobianByRate(const char *law, const char *world) {
   Destroy(&scene, &rod);
 }
 
+/* ... whose material learns its natural curvature, also where friction feels the spin. */
+static void TestLearnedJacobians(void **state) {
+  static const char *const more[] = {
+      "-tropism_memory 0.4", "-tropism_sensed tip -friction_radius 0.4",
+      "-tropism_sensed tip -tropism_memory 0.4 -rod_order 2", "-friction_radius 0.4"};
+  char world[512];
+
+  for (int law = 0; law < LAWS; law++) {
+    (void)snprintf(world, sizeof(world),
+                   "-tropism_gravity 2 -tropism_direction 0.3,-1,0.4 -tropism_light 1 "
+                   "-tropism_source 4,5,2 -tropism_proprioception 1.5 -growth_ironing 3 "
+                   "-tropism_nutation 1 -tropism_nutation_2 2 -tropism_nutation_rate 3 "
+                   "-tropism_rate 0.7 %s",
+                   more[law % 4]);
+    JacobianByRate(laws[law], world);
+  }
+}
+
 /* Jacobians, of each law and each world; in a hinge, of those laws that one may have. */
 static void TestJacobians(void **state) {
   for (int law = 0; law < LAWS; law++)
@@ -659,9 +677,10 @@ static void TestSpinRest(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians),     cmocka_unit_test(TestWallJacobians),
-    cmocka_unit_test(TestFootJacobians), cmocka_unit_test(TestFoot),
-    cmocka_unit_test(TestElimination),   cmocka_unit_test(TestMirrors),
-    cmocka_unit_test(TestBend),          cmocka_unit_test(TestIndex),
-    cmocka_unit_test(TestBegins),        cmocka_unit_test(TestSpinRest)};
+    cmocka_unit_test(TestJacobians),     cmocka_unit_test(TestLearnedJacobians),
+    cmocka_unit_test(TestWallJacobians), cmocka_unit_test(TestFootJacobians),
+    cmocka_unit_test(TestFoot),          cmocka_unit_test(TestElimination),
+    cmocka_unit_test(TestMirrors),       cmocka_unit_test(TestBend),
+    cmocka_unit_test(TestIndex),         cmocka_unit_test(TestBegins),
+    cmocka_unit_test(TestSpinRest)};
 MAIN(tests)

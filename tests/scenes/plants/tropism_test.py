@@ -1,0 +1,226 @@
+#!/usr/bin/env python3
+"""Growth that senses: gravity, light, posture, nutation, memory and moments that are ironed out. Against exact answers and
+references by programs that share nothing with tendril.
+
+    tropism_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
+
+import sys
+from math import cos, exp, log, pi, sin, sqrt, tan, atan
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import scene  # takes .venv's python if this one lacks numpy and h5py
+from references import stiffness
+from scene import broken, check, expect, order, Run, tendril
+
+import numpy as np
+
+STRAIGHT = "-shape_type straight -growth_initial_length 1 "
+ROOT = "-growth_type apical -growth_zone 0.6 -friction_mu 0.5 " + STRAIGHT
+
+
+def toward(angle):
+    return f"-tropism_direction {cos(angle)!r},{sin(angle)!r} "
+
+
+def stiff():
+    """So stiff that its shape is the natural one."""
+    return stiffness(lambda d: np.full_like(d, 1e8)) + " "
+
+
+def near(name, got, exact, allowed):
+    expect(abs(got - exact) <= allowed, f"{name}: {got:.10g}, exact {exact:.10g}: off by {abs(got - exact):.1g}")
+
+
+# --- references ----------------------------------------------------------------------------------
+
+# At one time each: x of the tip (of the length), sqrt(int x2^2 dp), energy, int u0 dp, sqrt(int u0^2 dp). By programs with
+# Chebyshev panels for x, theta and u0 of a beam in the plane, and for directors in space, at two resolutions that agree to 1e-8.
+REFERENCES = {
+    "a root, sensed at its tip": (
+        "-growth_type apical -growth_zone 0.6 -friction_mu 1 -tropism_gravity 4 -tropism_proprioception 2 -tropism_sensed tip "
+        "-tropism_direction 0.3623577544766736,-0.9320390859672263 ", 1,
+        ((1.721350637687983, -0.7150632513689439), 0.39823022650847517, 0.0021231961063986077,
+         -1.0581877203685361, 0.9182280322197759)),
+    "a shoot that weighs": (
+        "-growth_type uniform -friction_mu 0.5 -rod_weight 0,-0.3 -tropism_gravity 2 -tropism_direction 0,1 "
+        "-tropism_proprioception 0.8 ", 1, ((1.571266089478498, 0.9271759937552224), 0.5526506363966299, 0.3652038918936386,
+         2.202007849530359, 1.5769734608170853)),
+    "a shoot that nutates": (
+        "-growth_type uniform -friction_mu 0.6 -tropism_nutation 2 -tropism_nutation_2 2 -tropism_nutation_rate 3 "
+        "-tropism_gravity 1 -tropism_direction 1,0,0 -tropism_proprioception 1 ", 1, ((1.7239295216989368, 0.44591953060897954, 0.713468566861579), 0.3213714965103074, 0.11838999043850594,
+         -0.0456123418583326, 0.9363798533158413)),
+    "a bend that is ironed": (
+        "-growth_type uniform -friction_mu 0.5 -tip_force_vector 0,0.3,0 -growth_ironing 5 ", 1, ((1.7693741177023967, 0.7874385183230272), 0.505196341487398, 0.0073981950578138915,
+         0.61127387899289, 0.4592416510785821)),
+}
+
+
+@check
+def references_by_other_programs_are_met():
+    for name, (options, end, (tip, norm, energy, angle, bend)) in REFERENCES.items():
+        r = Run(f"{STRAIGHT}{options} -ts_max_time {end} -rod_cells 200 -ts_rtol 1e-7")
+        at = [r.series[f"tip_x{k + 1}"][-1] for k in range(len(tip))]
+        expect(np.abs(np.subtract(at, tip)).max() < 1e-6 * r.length[-1], f"{name}: tip {at}, {tip}")
+        near(name + ", norm", r.norm_x2_length[-1] / norm, 1, 5e-6)
+        near(name + ", energy", r.energy[-1] / energy, 1, 2e-5)
+        near(name + ", natural bend", r.natural_bend[-1], bend, 1e-5)
+        near(name + ", natural angle", r.natural_angle[-1], angle, 1e-5)
+        expect(r.energy_defect[-1] < 1e-6, f"{name}: the balance of energy is off by {r.energy_defect[-1]:g}")
+
+
+# --- exact answers -------------------------------------------------------------------------------
+
+@check
+def a_tip_that_is_sensed_turns_by_the_length_that_has_grown():
+    """G = 1: tan(theta/2) falls as exp(-b L), whatever grows."""
+    exact = 1.2 + 2 * atan(tan(-1.2 / 2) * exp(-2))
+    for growth in ("uniform", "apical -growth_zone 0.5"):
+        r = Run(f"{stiff()}{STRAIGHT}-growth_type {growth} -ts_max_time 1 -tropism_gravity 2 -tropism_proprioception 1 "
+                f"-tropism_sensed tip {toward(1.2)} -rod_cells 100 -ts_rtol 1e-7")
+        near(growth, r.tip_angle[-1], exact, 2e-6)
+
+
+@check
+def a_tip_that_remembers_swings():
+    memory, small = 0.3, 1e-4
+    w = sqrt(2 / memory - 1 / 4 / memory**2)
+    r = Run(f"{stiff()}{STRAIGHT}-growth_type uniform -ts_max_time 1 -tropism_gravity 2 -tropism_proprioception 1 "
+            f"-tropism_sensed tip -tropism_memory {memory} {toward(small)} -rod_cells 50 -ts_rtol 1e-7")
+    near("angle", 1 - r.tip_angle[-1] / small, exp(-1 / 2 / memory) * (cos(w) + sin(w) / 2 / memory / w), 1e-6)
+
+
+@check
+def places_that_sense_for_themselves_bend_as_bessel_functions_have_it():
+    for options, exact in (("-growth_type none -tropism_rate 1 -tropism_gravity 1 -tropism_proprioception 0.5", 0.3754088546),
+                           ("-growth_type uniform -tropism_gravity 2 -tropism_proprioception 1", -0.1965480953),
+                           ("-growth_type uniform -tropism_gravity 2 -tropism_proprioception 1.5", -0.0657722187)):
+        r = Run(f"{stiff()}{STRAIGHT}{options} -ts_max_time 1 {toward(1e-4)} -rod_cells 50 -ts_rtol 1e-7")
+        near(options, 1 - r.tip_angle[-1] / 1e-4, exact, 2e-6)
+
+
+@check
+def a_bell_of_growth_turns_its_tip():
+    for options, exact in (("-tropism_gravity 4 -tropism_proprioception 2", 1.0248121758),
+                           ("-tropism_gravity 6 -tropism_proprioception 0.5 -tropism_memory 0.4", 1.7512510657)):
+        r = Run(f"{stiff()}{STRAIGHT}-growth_type apical -growth_zone 1 -ts_max_time 1 -tropism_sensed tip {options} "
+                f"{toward(1.2)} -rod_cells 100 -ts_rtol 1e-7")
+        near(options, r.tip_angle[-1], exact, 5e-6)
+
+
+@check
+def a_rod_at_rest_ends_in_the_direction_by_its_balance():
+    """Sine, steady: tan(theta/2) falls as exp(-b s/G)."""
+    r = Run(f"{stiff()}{STRAIGHT}-growth_type none -ts_max_time 40 -tropism_rate 1 -tropism_gravity 2 -tropism_proprioception 1 "
+            "-tropism_direction 0,1 -rod_cells 50")
+    near("angle", pi / 2 - r.tip_angle[-1], 0.2690359907, 1e-7)
+    near("place", 2 * r.tip_x1[-1], 1.3017603360, 1e-7)
+
+
+@check
+def what_is_fed_in_is_straight_and_bends_from_then_on():
+    """A constant drive: k = r n (time since it is in), int k dp = r n (t^2/2 + L0 t), however it is bent. A front with a corner
+    in k, between what was there at first and what has come in, is resolved to the order 2."""
+    for model in ("frame", "space"):
+        off = [abs(Run(f"{STRAIGHT}-growth_type feed -tropism_rate 0.5 -tropism_nutation 0.8 -ts_max_time 1 -rod_cells {n} "
+                       f"-rod_model {model}").natural_angle[-1] / (0.5 * 0.8 * (1 / 2 + 1)) - 1) for n in (30, 60)]
+        expect(off[1] < 1e-4 and off[1] < 0.45 * off[0], f"{model}: {off}")
+
+
+@check
+def forces_between_held_ends_are_ironed_out_and_the_shape_stays():
+    for model in ("frame", "space"):
+        r = Run("-growth_type none -growth_initial_length 4 -shape_type sag -shape_amplitude 0.5 -tip_type clamped -friction_mu 0 "
+                f"-tropism_rate 1 -growth_ironing 0.3 -ts_max_time 20 -rod_cells 60 -ts_rtol 1e-7 -rod_model {model}")
+        k = np.searchsorted(r.t, 12)
+        near(model, log(r.base_force_1[k] / r.base_force_1[-1]) / (r.t[-1] - r.t[k]), 0.3, 1e-4)
+        expect(np.abs(r.shapes["x"][-1] - r.shapes["x"][-2]).max() < 1e-7, f"{model}: the shape moves")
+
+
+# --- what must hold always -----------------------------------------------------------------------
+
+MIXED = ROOT + "-tropism_gravity 4 -tropism_proprioception 2 -growth_ironing 3 -tropism_light 1 -ts_max_time 0.4 -rod_cells 40 "
+SOURCE = "-tropism_source {},{} -tropism_direction {},{} "
+
+
+@check
+def a_root_in_the_plane_is_one_in_space():
+    for more in ("-tropism_memory 0.1", "-tropism_sensed tip"):
+        a, b = (Run(f"{MIXED}{SOURCE.format(3, 1, 0.3, -1)}{more} -ts_rtol 1e-7 -rod_model {model}") for model in ("frame", "space"))
+        for name in ("tip_x1", "tip_x2", "natural_angle", "natural_bend"):
+            near(f"{more}, {name}", b.series[name][-1], a.series[name][-1], 1e-6)
+
+
+@check
+def mirrored_and_turned_roots_bend_alike():
+    a = Run(MIXED + SOURCE.format(3, 1, 0.3, -1))
+    b = Run(MIXED + SOURCE.format(3, -1, 0.3, 1))
+    expect(np.array_equal(a.tip_x2, -b.tip_x2) and np.array_equal(a.natural_angle, -b.natural_angle), "the mirror image differs")
+    c, s = cos(0.7), sin(0.7)
+    b = Run(MIXED + SOURCE.format(3 * c - s, 3 * s + c, 0.3 * c + s, 0.3 * s - c) + "-clamp_angle 0.7")
+    near("turned", b.tip_x1[-1], c * a.tip_x1[-1] - s * a.tip_x2[-1], 1e-9)
+    near("turned, angle", b.tip_angle[-1] - 0.7, a.tip_angle[-1], 1e-9)
+
+
+@check
+def an_aligned_root_decays_as_far_as_numbers_go():
+    r = Run("-growth_type uniform -growth_initial_length 0.5 -shape_amplitude 1e-3 -friction_mu 0 -ts_max_time 1 -rod_cells 50 "
+            "-rod_model frame -tropism_gravity 1 -tropism_proprioception 1 -tropism_sensed tip -tropism_direction 1,0")
+    expect(r.norm_x2[-1] < 1e-3 and r.energy_defect[-1] < 1e-5, f"{r.norm_x2[-1]:g}, {r.energy_defect[-1]:g}")
+
+
+@check(ranks=3)
+def several_ranks_agree_on_what_is_learned():
+    for more in ("-tropism_sensed tip", "-tropism_memory 0.1"):
+        runs = [Run(f"{MIXED}{SOURCE.format(3, 1, 0.3, -1)}{more}", ranks) for ranks in (1, 2, 3)]
+        for r in runs[1:]:
+            near(more, r.tip_x2[-1], runs[0].tip_x2[-1], 1e-9)
+
+
+@check
+def a_run_broken_off_goes_on_to_the_last_bit():
+    for more in ("-tropism_sensed tip", "-tropism_memory 0.1 -rod_model space"):
+        whole, different = broken(f"{MIXED}{SOURCE.format(3, 1, 0.3, -1)}{more}", 60)
+        expect(len(whole["series/t"]) > 70 and not different, f"{more}: {different} differ")
+
+
+@check
+def orders_in_space_and_in_time_are_those_of_the_formulas():
+    def tip(options):
+        r = Run(f"-growth_type uniform -friction_mu 0.5 {STRAIGHT}-tropism_gravity 3 -tropism_direction 0,-1 "
+                f"-tropism_proprioception 1 -growth_ironing 2 -ts_max_time 0.5 {options}")
+        return np.array([r.tip_x1[-1], r.tip_x2[-1]])
+
+    cells = [tip(f"-rod_cells {n} -rod_grading uniform -ts_rtol 1e-9") for n in (6, 12, 24, 96)]
+    near("in space", order([np.linalg.norm(x - cells[-1]) for x in cells[:-1]]), 4, 0.3)
+
+
+@check
+def sensitivities_are_differences():
+    step = 0.002
+    base = ROOT + "-tropism_gravity 4 -tropism_proprioception 2 -tropism_sensed tip -tropism_direction 0.3,-1 -ts_max_time 0.6 " \
+        "-rod_cells 40 -ts_rtol 1e-7 -tropism_memory "
+    r = Run(f"{base}0.2 -sensitivity tropism_memory,growth_zone")
+    low, high = (Run(f"{base}{0.2 + d}") for d in (-step, step))
+    near("memory", r.derivatives["tropism_memory", "series/tip_x2"][-1], (high.tip_x2[-1] - low.tip_x2[-1]) / 2 / step, 1e-4)
+    low, high = (Run(f"{base}0.2 -growth_zone {0.6 + d}") for d in (-step, step))
+    near("zone", r.derivatives["growth_zone", "series/tip_x2"][-1], (high.tip_x2[-1] - low.tip_x2[-1]) / 2 / step, 3e-4)
+
+
+@check
+def options_that_say_nothing_are_refused():
+    for options, word in (("-tropism_gravity 1", "-tropism_direction"), ("-tropism_light 1", "-tropism_source"),
+                          ("-tropism_gravity 1 -tropism_direction 0,0", "-tropism_direction"),
+                          ("-growth_type none -growth_ironing 1", "-tropism_rate"),
+                          ("-growth_type feed -tropism_nutation 1", "-tropism_rate"),
+                          ("-tropism_memory 1", "-tropism_memory"), ("-tropism_direction 0,1", "-tropism_direction"),
+                          ("-growth_ironing 1 -rod_model linear", "-growth_ironing"),
+                          ("-growth_ironing 1 -task critical", "-growth_ironing"),
+                          ("-growth_ironing 1 -task stability", "-growth_ironing"),
+                          ("-growth_ironing 1 -contact_self true -contact_diameter 0.1", "-contact_self"),
+                          ("-tropism_nutation 1 -tropism_nutation_2 1 -rod_model frame", "-tropism_nutation_2")):
+        expect(word in tendril(options, 1), options)
+
+
+if __name__ == "__main__":
+    sys.exit(scene.main())
