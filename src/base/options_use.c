@@ -61,9 +61,9 @@ static PetscBool StartsWith(const char *text, const char *with) {
 }
 
 /* The objects of PETSc that are at work, by the prefixes of their options. */
-static const char *const objects[] = {"-ts_",  "-snes_", "-ksp_", "-pc_",       "-mat_",  "-vec_",
-                                      "-dm_",  "-eps_",  "-st_",  "-svd_",      "-norm_", "-chain_",
-                                      "-fit_", "-sub_",  "-da_",  "-transient_"};
+static const char *const objects[] = {"-ts_",   "-snes_",  "-ksp_", "-pc_", "-mat_",
+                                      "-vec_",  "-dm_",    "-eps_", "-st_", "-svd_",
+                                      "-norm_", "-chain_", "-sub_", "-da_", "-transient_"};
 
 /* Options that PETSc reads after the run is set up: views, monitors and reasons of its objects, in
    a solve; and some at its very end. */

@@ -59,14 +59,11 @@ static PetscBool Within(const struct Tendril_ *self) {
    between steps: the caller destroys that. */
 static PetscErrorCode State(Tendril self, Vec V[2], Vec *U, Vec *U_t) {
   Grow *grow = self->grow;
-  PetscReal end;
 
   PetscFunctionBegin;
   V[0] = V[1] = *U = *U_t = NULL;
   if (Within(self)) {
-    PetscCall(TSGetTime(grow->now->ts, &end));
-    for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(grow->now->U, &V[k]));
-    PetscCall(LegInterpolate(grow->now, self->at, end, end - grow->seen.t, V[0], V[1]));
+    PetscCall(GrowWithin(grow, self->at, V, NULL));
     *U = V[0];
     *U_t = V[1];
   } else if (grow->seen.t > 0) {

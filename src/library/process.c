@@ -81,8 +81,8 @@ int ProcessBegin(MPI_Comm comm, char message[], size_t room) {
   PetscBool ended = PETSC_FALSE;
 
   (void)PetscFinalized(&ended);
-  ProgramSetTable();
   if (process.ready && !ended) return 0;
+  ProgramSetTable();
   process.ready = PETSC_FALSE;
   if (BeginMpi())
     (void)snprintf(message, room, "MPI has ended, or does not begin: no simulation can be created");

@@ -28,7 +28,7 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene) {
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(watch, sizeof(*watch)));
-  PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
+  PetscCall(SceneLength(scene, 0, &length));
   PetscCall(OptionReal("-stop_self_contact", &watch->bound[EVENT_SELF_CONTACT],
                        &watch->watched[EVENT_SELF_CONTACT]));
   UserCheck(
@@ -150,7 +150,7 @@ static PetscErrorCode LookForContact(Observer observer, Scene scene, PetscReal t
   if (touch.nearest >= scene->contact.smooth) PetscFunctionReturn(0);
   event->kind = EVENT_CONTACT;
   for (int k = 0; k < 2; k++) event->s[k] = touch.at[k];
-  for (int d = 0; d < 2; d++) event->x[d] = touch.x[d];
+  for (int d = 0; d < 3; d++) event->x[d] = touch.x[d];
   PetscFunctionReturn(0);
 }
 
@@ -182,15 +182,20 @@ PetscReal PushLargest(PetscBool space, PetscInt cells, const Node *nodes, PetscI
   return push;
 }
 
+/* Where a node is, in the clamp's frame. */
+static void PlaceOf(Scene scene, const Node *node, PetscReal x[3]) {
+  for (int d = 0; d < 3; d++) x[d] = scene->space.rod ? node->x3[d] : d < 2 ? node->x[d] : 0;
+}
+
 /* Is the rod pushed as hard as that? */
 static void LookForPush(Scene scene, const Node *nodes, PetscReal bound, Event *event) {
-  const PetscReal *s = scene->mesh.s;
-  PetscInt where = 0;
+  PetscInt nodes_n, where = 0;
+  const PetscReal *s = SceneLabels(scene, &nodes_n);
 
-  if (PushLargest(scene->space.rod, scene->mesh.cells, nodes, &where) < bound) return;
+  if (PushLargest(scene->space.rod, nodes_n - 1, nodes, &where) < bound) return;
   event->kind = EVENT_FORCE;
   event->s[0] = event->s[1] = s[where];
-  for (int d = 0; d < 2; d++) event->x[d] = nodes[where].x[d];
+  PlaceOf(scene, &nodes[where], event->x);
 }
 
 /*
@@ -201,28 +206,30 @@ static void LookForPush(Scene scene, const Node *nodes, PetscReal bound, Event *
 */
 PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, PetscReal t,
                          const Node *nodes, Event *event) {
-  PetscInt last = scene->mesh.cells;
+  PetscInt n;
+  const PetscReal *s = SceneLabels(scene, &n);
+  const PetscInt last = n - 1;
   PetscReal length;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(event, sizeof(*event)));
   if (watch->watched[EVENT_SELF_CONTACT])
-    PetscCall(EventContact(last, scene->mesh.s, nodes, watch->bound[EVENT_SELF_CONTACT], event));
+    PetscCall(EventContact(last, s, nodes, watch->bound[EVENT_SELF_CONTACT], event));
   for (PetscInt i = 0; i <= last && watch->watched[EVENT_ANGLE] && !event->kind; i++)
     if (PetscAbsReal(nodes[i].theta) >= watch->bound[EVENT_ANGLE]) {
       event->kind = EVENT_ANGLE;
-      event->s[0] = event->s[1] = scene->mesh.s[i];
-      PetscCall(PetscArraycpy(event->x, nodes[i].x, 2));
+      event->s[0] = event->s[1] = s[i];
+      PlaceOf(scene, &nodes[i], event->x);
     }
   if (watch->watched[EVENT_FORCE] && !event->kind)
     LookForPush(scene, nodes, watch->bound[EVENT_FORCE], event);
   if (watch->watched[EVENT_CONTACT] && !event->kind)
     PetscCall(LookForContact(observer, scene, t, nodes, event));
-  PetscCall(GrowthLength(scene->growth, t, &length, NULL));
+  PetscCall(SceneLength(scene, t, &length));
   if (watch->watched[EVENT_LENGTH] && !event->kind && length >= watch->bound[EVENT_LENGTH]) {
     event->kind = EVENT_LENGTH;
     event->s[0] = event->s[1] = 1;
-    PetscCall(PetscArraycpy(event->x, nodes[last].x, 2));
+    PlaceOf(scene, &nodes[last], event->x);
   }
   event->t = t;
   PetscFunctionReturn(0);

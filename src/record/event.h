@@ -26,7 +26,7 @@ typedef struct {
 /* What happened: s the one or two labels concerned, x the place (in the clamp's frame). */
 typedef struct {
   EventKind kind;
-  PetscReal t, s[2], x[2];
+  PetscReal t, s[2], x[3];
 } Event;
 
 extern const OptionGroup event_options;

@@ -27,17 +27,23 @@ PetscInt ObservedOf(Scene scene) {
 
 /* ObservedIn - is a series one of a scene? Of a rod that weighs nothing there is no weight. */
 PetscBool ObservedIn(Scene scene, PetscInt observed) {
+  const PetscBool weighs = scene->load.weighs;
+
   if (observed >= ObservedOf(scene)) return PETSC_FALSE;
   if (observed < OBSERVED_ALWAYS || observed >= OBSERVED_STEERED) return PETSC_TRUE;
   if (observed >= OBSERVED_IN_SPACE) return scene->curvature.steered;
   if (!scene->space.rod)
-    return (PetscBool)(scene->load.weighs && observed < OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT);
-  return (PetscBool)(scene->load.weighs || strncmp(observed_name[observed], "weight_force", 12));
+    return (PetscBool)(weighs && observed < OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT);
+  return (PetscBool)(weighs || strncmp(observed_name[observed], "weight_force", 12));
 }
 
 struct _Observer {
   Scene scene;
-  Vec all; /* every node, on rank 0 */
+  MPI_Comm comm;
+  PetscInt nodes;
+  const PetscReal *s; /* their labels */
+  PetscBool space;    /* the rod is in space */
+  Vec all;            /* every node, on rank 0 */
   VecScatter to_zero;
   Node *gathered; /* rank 0: cells + 1 nodes */
   /* the energy balance: the latest times with W - dissipation, dissipation and energy, newest last
@@ -66,8 +72,11 @@ PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
   PetscFunctionBegin;
   PetscCall(PetscNew(observer));
   (*observer)->scene = scene;
-  PetscCallMPI(MPI_Comm_rank(scene->comm, &rank));
-  if (!rank) PetscCall(PetscMalloc1(scene->mesh.cells + 1, &(*observer)->gathered));
+  (*observer)->comm = scene->comm;
+  (*observer)->s = SceneLabels(scene, &(*observer)->nodes);
+  (*observer)->space = scene->space.rod;
+  PetscCallMPI(MPI_Comm_rank((*observer)->comm, &rank));
+  if (!rank) PetscCall(PetscMalloc1((*observer)->nodes, &(*observer)->gathered));
   if (!rank && scene->contact.any) PetscCall(TouchingCreate(scene, &(*observer)->touching));
   PetscFunctionReturn(0);
 }
@@ -110,7 +119,7 @@ static PetscErrorCode Gather(Observer observer, Vec v, const Node **nodes) {
   *nodes = NULL;
   if (!observer->gathered) PetscFunctionReturn(0);
   PetscCall(VecGetArrayRead(observer->all, &all));
-  PetscCall(PetscMemcpy(observer->gathered, all, (observer->scene->mesh.cells + 1) * sizeof(Node)));
+  PetscCall(PetscMemcpy(observer->gathered, all, observer->nodes * sizeof(Node)));
   PetscCall(VecRestoreArrayRead(observer->all, &all));
   *nodes = observer->gathered;
   PetscFunctionReturn(0);
@@ -221,21 +230,11 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
   PetscFunctionReturn(0);
 }
 
-/* x2 in the frame of the laboratory, that of the clamp turned by alpha */
-static inline PetscReal LabX2(Scene scene, const PetscReal x[2]) {
-  return PetscSinReal(scene->clamp_angle) * x[0] + PetscCosReal(scene->clamp_angle) * x[1];
-}
+/* A vector of the plane in the frame of the laboratory. */
+static inline void PlaneToLab(Scene scene, const PetscReal v[2], PetscReal lab[3]) {
+  const PetscReal v3[3] = {v[0], v[1]};
 
-static inline PetscReal LabX1(Scene scene, const PetscReal x[2]) {
-  return PetscCosReal(scene->clamp_angle) * x[0] - PetscSinReal(scene->clamp_angle) * x[1];
-}
-
-/* A force in the frame of the laboratory. */
-static void ForceToLab(Scene scene, const PetscReal force[3], PetscReal lab[3]) {
-  lab[0] = LabX1(scene, force);
-  lab[1] = LabX2(scene, force);
-  lab[2] = 0;
-  if (scene->space.rod) SpaceToLab(&scene->space, force, lab);
+  SceneToLab(scene, v3, lab);
 }
 
 /* What a length of material costs: n.q + m^2/2B + m k0, the force against which the rod is fed, or
@@ -255,8 +254,11 @@ static PetscReal Tension(const Sample *p) {
 */
 static void Integrate(Scene scene, const Sample *p, PetscReal weight, PetscReal lift,
                       Observation *sum) {
-  PetscReal x2 = lift * LabX2(scene, p->node.x), m2 = PetscSqr(p->node.moment) / p->B,
-            k0_t = scene->curvature.steered ? 0 : p->k0_t;
+  PetscReal lab[3], x2, m2 = PetscSqr(p->node.moment) / p->B,
+                        k0_t = scene->curvature.steered ? 0 : p->k0_t;
+
+  PlaneToLab(scene, p->node.x, lab);
+  x2 = lift * lab[1];
   sum->norm_x2 += weight * x2 * x2;
   sum->norm_x2_length += weight * x2 * x2 * p->g;
   sum->energy += weight * m2 * p->g / 2;
@@ -305,12 +307,12 @@ static void AddContact(Observer self, Observation *seen) {
   seen->contact_energy = contact->energy;
   seen->penetration = ContactBears(&self->scene->contact, contact->nearest) ? -contact->nearest : 0;
   seen->contacts = contact->zones;
-  ForceToLab(self->scene, contact->wall, lab);
+  SceneToLab(self->scene, contact->wall, lab);
   seen->wall_force_1 = lab[0];
   seen->wall_force_2 = lab[1];
   seen->wall_force_3 = lab[2];
   seen->wall_power = contact->moved;
-  ForceToLab(self->scene, contact->clamp, lab);
+  SceneToLab(self->scene, contact->clamp, lab);
   seen->base_force_1 -= lab[0];
   seen->base_force_2 -= lab[1];
   seen->base_force_3 -= lab[2];
@@ -320,29 +322,34 @@ static void AddContact(Observer self, Observation *seen) {
 
 /* What is read at the clamp, without integrals. */
 static void MeasureClamp(Scene scene, const Sample *p, Observation *seen) {
+  PetscReal lab[3];
+
   seen->feed_force = -Tension(p);
   seen->growth_power += p->c * seen->feed_force;
-  seen->base_force_1 = -LabX1(scene, p->node.force);
-  seen->base_force_2 = -LabX2(scene, p->node.force);
+  PlaneToLab(scene, p->node.force, lab);
+  seen->base_force_1 = -lab[0];
+  seen->base_force_2 = -lab[1];
 }
 
 /* What is read at the tip; contact is the force of contact on it. */
 static void MeasureTip(Scene scene, const Sample *p, const PetscReal contact[2],
                        Observation *seen) {
   const PlaneNode *tip = &p->node;
-  PetscReal force[2];
+  PetscReal force[2], lab[3];
 
   seen->tip_speed = hypot(p->at.v[0], p->at.v[1]);
   seen->tip_power =
       (tip->force[0] - contact[0]) * p->at.v[0] + (tip->force[1] - contact[1]) * p->at.v[1];
   if (scene->tip.path || scene->tip.turned.on) seen->tip_power += tip->moment * tip->theta_t;
   seen->tip_angle = scene->clamp_angle + tip->theta;
-  seen->tip_x1 = LabX1(scene, tip->x);
-  seen->tip_x2 = LabX2(scene, tip->x);
+  PlaneToLab(scene, tip->x, lab);
+  seen->tip_x1 = lab[0];
+  seen->tip_x2 = lab[1];
   seen->end_distance = hypot(tip->x[0], tip->x[1]);
   for (int d = 0; d < 2; d++) force[d] = tip->force[d] - contact[d];
-  seen->tip_force_1 = LabX1(scene, force);
-  seen->tip_force_2 = LabX2(scene, force);
+  PlaneToLab(scene, force, lab);
+  seen->tip_force_1 = lab[0];
+  seen->tip_force_2 = lab[1];
 }
 
 /* What feet on posts add to n' in cell i, NULL: nothing; cells are asked for one after the other, k
@@ -360,7 +367,7 @@ static const PetscReal (*FeetOf(Observer self, PetscInt i, PetscInt *k))[FOOT_LO
 static PetscErrorCode MeasurePlane(Observer self, PetscReal t, const Piece *piece, PetscReal lift,
                                    Observation *seen) {
   Scene scene = self->scene;
-  const PetscReal *s = scene->mesh.s;
+  const PetscReal *s = self->s;
   PetscInt feet = 0;
   Sample a, b, mid;
 
@@ -383,20 +390,20 @@ static PetscErrorCode MeasurePlane(Observer self, PetscReal t, const Piece *piec
     Integrate(scene, &b, h / 6, lift, seen);
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle(s[i], h, &a, &mid, &b, seen);
   }
-  if (piece->end == scene->mesh.cells) MeasureTip(scene, &b, self->contact.tip, seen);
+  if (piece->end == self->nodes - 1) MeasureTip(scene, &b, self->contact.tip, seen);
   PetscFunctionReturn(0);
 }
 
 /* What a piece of a rod gives to n1(0) - n1(1). */
-static PetscReal AxialDrop(Scene scene, const Piece *piece) {
+static PetscReal AxialDrop(const Observer self, const Piece *piece) {
   PetscReal drop = 0;
 
   if (piece->end < piece->first) return 0;
   for (int end = 0; end < 2; end++) {
     const Node *node = &piece->node[end ? piece->end - piece->first : 0];
-    const PetscReal n1 = scene->space.rod ? node->n3[0] : node->force[0];
+    const PetscReal n1 = self->space ? node->n3[0] : node->force[0];
     if (!end && !piece->first) drop += n1;
-    if (end && piece->end == scene->mesh.cells) drop -= n1;
+    if (end && piece->end == self->nodes - 1) drop -= n1;
   }
   return drop;
 }
@@ -413,12 +420,12 @@ static void MeasureForces(Observer self, const Piece *piece, Observation *seen) 
     if (self->whole) friction[d] = self->gathered ? kept->friction[d] : 0;
     if (!self->whole || self->gathered) friction[d] -= kept->left[d];
   }
-  if (self->linear) friction[0] = AxialDrop(self->scene, piece) - weight[0];
-  ForceToLab(self->scene, friction, lab);
+  if (self->linear) friction[0] = AxialDrop(self, piece) - weight[0];
+  SceneToLab(self->scene, friction, lab);
   seen->friction_force_1 = lab[0];
   seen->friction_force_2 = lab[1];
   seen->friction_force_3 = lab[2];
-  ForceToLab(self->scene, weight, lab);
+  SceneToLab(self->scene, weight, lab);
   seen->weight_force_1 = lab[0];
   seen->weight_force_2 = lab[1];
   seen->weight_force_3 = lab[2];
@@ -431,7 +438,7 @@ static PetscErrorCode LawsOf(Observer self, PetscReal t, const Piece *piece,
   if (self->touching)
     *law = TouchingLaws(self->touching) + 2 * piece->first;
   else {
-    if (!self->law) PetscCall(PetscMalloc1(2 * self->scene->mesh.cells + 1, &self->law));
+    if (!self->law) PetscCall(PetscMalloc1(2 * self->nodes - 1, &self->law));
     PetscCall(SampleLaws(self->scene, t, piece->first, piece->end, self->law));
     *law = self->law;
   }
@@ -442,7 +449,7 @@ static PetscErrorCode LawsOf(Observer self, PetscReal t, const Piece *piece,
 static PetscErrorCode MeasureIntegrals(Observer self, PetscReal t, const Piece *piece,
                                        PetscReal lift, Observation *seen) {
   PetscFunctionBegin;
-  if (piece->end >= piece->first && self->scene->space.rod) {
+  if (piece->end >= piece->first && self->space) {
     const TouchFeet *of_cells = NULL;
     const PetscInt n = self->touching ? TouchingFeet(self->touching, &of_cells) : 0;
     const SampleLaw *law = NULL;
@@ -471,7 +478,7 @@ static PetscErrorCode MeasureExtremes(Observer self, const Piece *piece, Extreme
     most->moment = PetscMax(most->moment, PetscAbsReal(node->moment));
   }
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, sizeof(*most) / sizeof(PetscReal), MPIU_REAL,
-                             MPI_MAX, self->scene->comm));
+                             MPI_MAX, self->comm));
   PetscFunctionReturn(0);
 }
 
@@ -486,12 +493,12 @@ static PetscErrorCode MeasureInflections(Observer self, PetscReal t, const Piece
 
   PetscFunctionBegin;
   *inflections = 0;
-  if (scene->space.rod) PetscFunctionReturn(0); /* a bend has no sign there */
+  if (self->space) PetscFunctionReturn(0); /* a bend has no sign there */
   for (PetscInt i = piece->first; i <= piece->end; i++) {
     PetscReal k, B;
-    PetscCall(SceneCurvature(scene, scene->mesh.s[i], t, &k, NULL));
+    PetscCall(SceneCurvature(scene, self->s[i], t, &k, NULL));
     if (scene->tropism.any) k += piece->node[i - piece->first].learned[0].bend[0];
-    PetscCall(SceneStiffness(scene, scene->mesh.s[i], t, &B, NULL));
+    PetscCall(SceneStiffness(scene, self->s[i], t, &B, NULL));
     k += piece->node[i - piece->first].moment / B;
     if (PetscAbsReal(k) <= 1e-6 * moment) continue;
     k = k > 0 ? 1 : -1;
@@ -499,9 +506,9 @@ static PetscErrorCode MeasureInflections(Observer self, PetscReal t, const Piece
     if (k * mine[LAST] < 0) mine[CHANGES]++;
     mine[LAST] = k;
   }
-  PetscCallMPI(MPI_Comm_size(scene->comm, &ranks));
+  PetscCallMPI(MPI_Comm_size(self->comm, &ranks));
   PetscCall(PetscMalloc1(SIGNS * ranks, &all));
-  PetscCallMPI(MPI_Allgather(mine, SIGNS, MPIU_REAL, all, SIGNS, MPIU_REAL, scene->comm));
+  PetscCallMPI(MPI_Allgather(mine, SIGNS, MPIU_REAL, all, SIGNS, MPIU_REAL, self->comm));
   *inflections = 0;
   for (PetscMPIInt r = 0; r < ranks; r++) { /* one more where two ranks meet in other signs */
     const PetscReal *its = all + SIGNS * r;
@@ -790,7 +797,7 @@ static PetscErrorCode Measure(Observer self, PetscReal t, const Piece *piece, Ob
   lift = Lift(self->scene, PetscMax(most.high, most.low));
   PetscCall(MeasureIntegrals(self, t, piece, lift, seen));
   if (self->gathered) AddContact(self, seen);
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seen, OBSERVED, MPIU_REAL, MPI_SUM, self->scene->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, seen, OBSERVED, MPIU_REAL, MPI_SUM, self->comm));
   PetscCall(MeasureInflections(self, t, piece, most.moment, &seen->inflections));
   seen->norm_x2 = PetscSqrtReal(seen->norm_x2) / lift;
   seen->norm_x2_length = PetscSqrtReal(seen->norm_x2_length) / lift;
@@ -819,7 +826,7 @@ static PetscErrorCode MeasureWhole(Observer self, PetscReal t, Vec v, PetscBool 
   PetscFunctionBegin;
   PetscCall(Gather(self, v, &piece.node));
   if (piece.node) {
-    piece.end = self->scene->mesh.cells;
+    piece.end = self->nodes - 1;
     PetscCall(LookAtContact(self, t, piece.node, moves, asks));
     if (self->whole) WithWhatHolds(&self->forces, &self->contact);
   }
@@ -852,9 +859,9 @@ static PetscErrorCode MeasureCrossings(Observer self, Vec v, Observation *seen) 
   PetscInt crossings = 0;
 
   PetscFunctionBegin;
-  if (seen->max_angle <= PETSC_PI / 2 || self->scene->space.rod) PetscFunctionReturn(0);
+  if (seen->max_angle <= PETSC_PI / 2 || self->space) PetscFunctionReturn(0);
   PetscCall(Gather(self, v, &nodes));
-  if (nodes) PetscCall(RodCrossings(self->scene->mesh.cells + 1, nodes, &crossings));
+  if (nodes) PetscCall(RodCrossings(self->nodes, nodes, &crossings));
   seen->self_crossings = crossings;
   PetscFunctionReturn(0);
 }
@@ -868,8 +875,8 @@ static PetscErrorCode TakeForces(Observer self, Rod rod, PetscReal t, Vec U_t) {
   self->whole = PETSC_FALSE;
   if (U_t) self->whole = RodForcesAt(rod, t, &self->forces);
   if (self->whole && !rod->alone)
-    PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, &self->forces, ROD_FORCES, MPIU_REAL, MPI_SUM,
-                               self->scene->comm));
+    PetscCallMPI(
+        MPI_Allreduce(MPI_IN_PLACE, &self->forces, ROD_FORCES, MPIU_REAL, MPI_SUM, self->comm));
   PetscFunctionReturn(0);
 }
 
@@ -894,7 +901,7 @@ static PetscErrorCode Look(Observer self, Rod rod, PetscReal t, Vec U, Vec U_t, 
 PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Observation *seen) {
   PetscFunctionBegin;
   PetscCall(Look(observer, rod, t, U, NULL, TOUCHING_ALL, seen));
-  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
+  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->comm));
   PetscFunctionReturn(0);
 }
 
@@ -907,7 +914,7 @@ PetscErrorCode ObserverLookMoving(Observer observer, Rod rod, PetscReal t, Vec U
   PetscFunctionBegin;
   PetscCall(Look(observer, rod, t, U, U_t, TOUCHING_ALL, seen));
   PetscCall(SceneContactAt(observer->scene, before));
-  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
+  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->comm));
   PetscFunctionReturn(0);
 }
 
@@ -955,7 +962,7 @@ static PetscErrorCode MeasureBalance(Observer self, Rod rod, Vec U, TS ts, Obser
     if (self->n > 1) WorkFromTimes(self, seen, &work);
     for (int k = 0; k < 2 && work.unsure; k++) between[k] = self->time[self->n - 2 + k];
   }
-  if (ts) PetscCallMPI(MPI_Bcast(between, 2, MPIU_REAL, 0, self->scene->comm));
+  if (ts) PetscCallMPI(MPI_Bcast(between, 2, MPIU_REAL, 0, self->comm));
   if (ts && between[1] > between[0]) PetscCall(WorkWithin(self, rod, between, U, ts, &work));
   if (new) CloseInterval(self, &work, seen);
   PetscFunctionReturn(0);
@@ -973,6 +980,6 @@ PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, V
   PetscFunctionBegin;
   PetscCall(Look(observer, rod, t, U, U_t, TOUCHING_ALL, seen));
   PetscCall(MeasureBalance(observer, rod, U, ts, seen));
-  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->scene->comm));
+  PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->comm));
   PetscFunctionReturn(0);
 }

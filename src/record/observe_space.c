@@ -24,12 +24,12 @@ static PetscReal WritheRate(const Sample3 *p) {
 }
 
 static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observation *sum) {
-  const Space *space = &scene->space;
+  const PetscReal *w = scene->load.weight;
   const PetscReal dl = weight * p->law.g;
   const PetscBool steered = scene->curvature.steered;
   PetscReal lab[3], bending = 0, growth = 0;
 
-  SpaceToLab(space, p->node.x3, lab);
+  SceneToLab(scene, p->node.x3, lab);
   for (int k = 0; k < 3; k++) {
     PetscReal elastic = PetscSqr(p->moment[k]) / p->law.S[k] / 2;
     bending += elastic;
@@ -50,13 +50,13 @@ static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observat
   sum->energy_twist += dl * PetscSqr(p->moment[0]) / p->law.S[0] / 2;
   sum->growth_power += dl * growth - weight * p->law.strain * Tension3(p);
   sum->dissipation += dl * (Dot3(p->F, p->at.v) + p->F[SPIN] * p->spin);
-  sum->weight_power += dl * Dot3(scene->load.weight, p->at.v);
+  sum->weight_power += dl * Dot3(w, p->at.v);
   sum->friction_force_1 -= dl * p->F[0]; /* in the clamp's frame, as in the plane */
   sum->friction_force_2 -= dl * p->F[1];
   sum->friction_force_3 -= dl * p->F[2];
-  sum->weight_force_1 += dl * scene->load.weight[0];
-  sum->weight_force_2 += dl * scene->load.weight[1];
-  sum->weight_force_3 += dl * scene->load.weight[2];
+  sum->weight_force_1 += dl * w[0];
+  sum->weight_force_2 += dl * w[1];
+  sum->weight_force_3 += dl * w[2];
   sum->twist += dl * p->u[0];
   sum->writhe += dl * WritheRate(p);
 }
@@ -88,11 +88,11 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
 
   seen->feed_force = -Tension3(p);
   seen->growth_power += p->law.c * seen->feed_force;
-  SpaceToLab(&scene->space, p->node.n3, lab);
+  SceneToLab(scene, p->node.n3, lab);
   seen->base_force_1 = -lab[0];
   seen->base_force_2 = -lab[1];
   seen->base_force_3 = -lab[2];
-  SpaceToLab(&scene->space, p->node.m3, lab);
+  SceneToLab(scene, p->node.m3, lab);
   seen->base_moment_1 = -lab[0];
   seen->base_moment_2 = -lab[1];
   seen->base_moment_3 = -lab[2];
@@ -124,13 +124,13 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
   seen->tip_power = Dot3(tip->n3, p->at.v) - Dot3(contact, p->at.v) + Dot3(tip->m3, omega) -
                     contact[SPIN] * p->spin;
   seen->tip_angle = tip->theta;
-  SpaceToLab(&scene->space, tip->x3, lab);
+  SceneToLab(scene, tip->x3, lab);
   seen->tip_x1 = lab[0];
   seen->tip_x2 = lab[1];
   seen->tip_x3 = lab[2];
   seen->end_distance = PetscSqrtReal(Dot3(lab, lab));
   for (int d = 0; d < 3; d++) force[d] = tip->n3[d] - contact[d];
-  SpaceToLab(&scene->space, force, lab);
+  SceneToLab(scene, force, lab);
   seen->tip_force_1 = lab[0];
   seen->tip_force_2 = lab[1];
   seen->tip_force_3 = lab[2];
@@ -164,7 +164,8 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
                             const Node node[], const SampleLaw law[], const PetscReal (*push)[PUSH],
                             const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],
                             Observation *seen) {
-  const PetscReal *s = scene->mesh.s;
+  PetscInt nodes;
+  const PetscReal *s = SceneLabels(scene, &nodes);
   Sample3 a, b, mid;
 
   PetscFunctionBegin;
@@ -187,6 +188,6 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
     seen->link += TurnedBetween(&a.node, &b.node);
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle3((0.5 - s[i]) / h, &a, &mid, &b, seen);
   }
-  if (end == scene->mesh.cells) MeasureTip3(scene, &b, contact, seen);
+  if (end == nodes - 1) MeasureTip3(scene, &b, contact, seen);
   PetscFunctionReturn(0);
 }

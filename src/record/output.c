@@ -18,7 +18,7 @@ PetscBool OutputHolds(const Output self, int observed) {
 /* OutputShapeSize - how many values a shape has in a set. */
 PetscInt OutputShapeSize(const Output self, int set) {
   const PetscInt per_node = self->set[set].components;
-  return per_node ? per_node * (self->scene->mesh.cells + 1) : 1;
+  return per_node ? per_node * self->nodes : 1;
 }
 
 /* Makes room for one more of n entries of `size` reals. */
@@ -32,7 +32,7 @@ static PetscErrorCode Room(PetscInt n, PetscInt *room, size_t size, void *array)
 
 /* An empty file's groups and datasets. */
 static PetscErrorCode Layout(Output self, HdfFile file) {
-  PetscInt n = self->scene->mesh.cells + 1;
+  const PetscInt n = self->nodes;
   char path[64];
 
   PetscFunctionBegin;
@@ -43,8 +43,7 @@ static PetscErrorCode Layout(Output self, HdfFile file) {
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
     PetscCall(HdfAppendable(file, path, 0, NULL, observed_units[i], observed_text[i]));
   }
-  PetscCall(HdfWrite(file, "/shapes/s", 1, &n, self->scene->mesh.s, "1",
-                     "material label of the nodes [n]"));
+  PetscCall(HdfWrite(file, "/shapes/s", 1, &n, self->s, "1", "material label of the nodes [n]"));
   for (int i = 0; i < self->sets; i++) {
     const ShapeSet *set = &self->set[i];
     PetscInt row[2] = {n, set->components};
@@ -117,8 +116,8 @@ static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
   self->series_n = self->shapes_n = 0;
   self->stored += self->waits;
   self->waits = 0;
-  PetscCall(XdmfWrite(self->path, self->scene->mesh.cells + 1, self->times_n, self->times,
-                      self->scene->contact.any, self->scene->space.rod));
+  PetscCall(XdmfWrite(self->path, self->nodes, self->times_n, self->times, self->scene->contact.any,
+                      self->scene->space.rod));
   PetscCall(PetscTime(&now));
   self->stored_at = now;
   self->cost = now - begin;
@@ -147,14 +146,14 @@ PetscErrorCode OutputStore(Output self, Rod rod, RestartState *state, Vec points
   PetscCall(OpenStore(self, &file));
   if (file) {
     PetscCall(WriteRows(self, file));
-    PetscCall(OutputAttributes(file, self->scene->comm, finished));
+    PetscCall(OutputAttributes(file, self->comm, finished));
     PetscCall(OutputWriteRun(self, file, state ? state->t : 0));
   }
   PetscCall(RestartWrite(file, self->scene, rod, state, points, errors));
   PetscCall(HdfClose(&file, fault));
-  PetscCallMPI(MPI_Bcast(fault, HDF_FAULT, MPI_CHAR, 0, self->scene->comm));
+  PetscCallMPI(MPI_Bcast(fault, HDF_FAULT, MPI_CHAR, 0, self->comm));
   self->broken = (PetscBool)(fault[0] != 0);
-  UserCheck(!fault[0], self->scene->comm,
+  UserCheck(!fault[0], self->comm,
             self->there ? "-output %s: cannot be written at t = %s: %s; what was stored before is "
                           "whole: make room and go on with -restart"
                         : "-output %s: cannot be written at t = %s: %s; make room, or name a "
@@ -180,10 +179,12 @@ static PetscErrorCode New(const char *path, Scene scene, Output *output) {
   PetscFunctionBegin;
   PetscCall(PetscNew(output));
   (*output)->scene = scene;
+  (*output)->comm = scene->comm;
+  (*output)->s = SceneLabels(scene, &(*output)->nodes);
   (*output)->set = ShapeSets(scene, &(*output)->sets);
   (*output)->cut[0] = (*output)->cut[1] = -1;
   PetscCall(PetscStrncpy((*output)->path, path, sizeof((*output)->path)));
-  PetscCallMPI(MPI_Comm_rank(scene->comm, &rank));
+  PetscCallMPI(MPI_Comm_rank((*output)->comm, &rank));
   (*output)->mine = (PetscBool)(!rank && path[0]);
   if (path[0]) PetscCall(OutputRefuseTaken("-output", path));
   PetscFunctionReturn(0);
@@ -282,16 +283,17 @@ PetscErrorCode OutputSeries(Output self, const Observation *seen) {
    contact is stiff, that at the node itself may be far from that beside it.) */
 PetscErrorCode OutputContactAbout(Scene scene, PetscReal t, PetscInt i, PetscReal g,
                                   const PetscReal (*contact)[PUSH], PetscReal about[3]) {
-  const PetscReal *s = scene->mesh.s;
+  PetscInt nodes;
+  const PetscReal *s = SceneLabels(scene, &nodes);
   PetscReal length = 0, h, z, g_mid;
 
   PetscFunctionBegin;
   about[0] = about[1] = about[2] = 0;
   for (PetscInt side = -1; side <= 1; side += 2) {
-    if (i + side < 0 || i + side > scene->mesh.cells) continue;
+    if (i + side < 0 || i + side >= nodes) continue;
     h = PetscAbsReal(s[i + side] - s[i]);
     z = (s[i + side] + s[i]) / 2;
-    PetscCall(GrowthStretch(scene->growth, 1, &z, t, &g_mid, NULL, NULL));
+    PetscCall(SceneStretch(scene, z, t, &g_mid));
     length += h / 2 * g;
     for (int d = 0; d < 3; d++)
       about[d] += h / 6 * (g * contact[2 * i][d] + 2 * g_mid * contact[2 * i + side][d]);
@@ -304,7 +306,7 @@ PetscErrorCode OutputContactAbout(Scene scene, PetscReal t, PetscInt i, PetscRea
    length at nodes and between them, NULL if the scene has none. */
 PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[PUSH]) {
-  const PetscInt n = self->scene->mesh.cells + 1, k = self->shapes_n;
+  const PetscInt n = self->nodes, k = self->shapes_n;
   PetscInt room = self->shapes_room;
   PetscReal *to[MOST_SHAPE_SETS], about[3];
   LabNode node;
@@ -320,7 +322,7 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
   }
   self->shapes_room = room;
   for (PetscInt i = 0; i < n; i++) {
-    PetscCall(LabNodeAt(self->scene, t, self->scene->mesh.s[i], &nodes[i], &node));
+    PetscCall(LabNodeAt(self->scene, t, self->s[i], &nodes[i], &node));
     if (contact) PetscCall(OutputContactAbout(self->scene, t, i, node.stretch, contact, about));
     if (contact) SceneToLab(self->scene, about, node.contact);
     for (int set = 0; set < self->sets; set++)

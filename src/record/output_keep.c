@@ -6,7 +6,7 @@ PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
   PetscMPIInt rank;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Comm_rank(self->scene->comm, &rank));
+  PetscCallMPI(MPI_Comm_rank(self->comm, &rank));
   self->series_kept = (PetscBool)(!rank && series);
   self->shapes_kept = (PetscBool)(!rank && shapes);
   PetscFunctionReturn(0);
@@ -31,13 +31,13 @@ PetscErrorCode OutputHarvest(Output self, const Observation *last, PetscInt valu
   harvest->values = values;
   harvest->steps = self->series_n;
   harvest->shapes = self->shapes_n;
-  if (self->shapes_n) harvest->nodes = self->scene->mesh.cells + 1;
+  if (self->shapes_n) harvest->nodes = self->nodes;
   for (int i = 0; i < CONTACT_SET; i++) n += (size_t)(self->shapes_n * OutputShapeSize(self, i));
   harvest->n = n + (size_t)harvest->nodes;
   PetscCall(PetscMalloc1(harvest->n, &harvest->data));
   to = Observed(self, last, values, harvest->data);
   for (PetscInt k = 0; k < self->series_n; k++) to = Observed(self, &self->series[k], values, to);
-  PetscCall(PetscArraycpy(to, self->scene->mesh.s, harvest->nodes));
+  PetscCall(PetscArraycpy(to, self->s, harvest->nodes));
   to += harvest->nodes;
   for (int i = 0; i < CONTACT_SET; i++) {
     PetscCall(PetscArraycpy(to, self->shape[i], self->shapes_n * OutputShapeSize(self, i)));
@@ -148,7 +148,7 @@ PetscErrorCode OutputSave(Output self, const char *path, PetscReal t, const Obse
 
   PetscFunctionBegin;
   PetscCall(OutputRefuseTaken("save", path));
-  PetscCallMPI(MPI_Comm_rank(self->scene->comm, &rank));
+  PetscCallMPI(MPI_Comm_rank(self->comm, &rank));
   PetscCall(RowsUpTo(self, t, last, &rows, &self->series_n));
   self->series = rows;
   self->shapes_n = self->times_n = OutputCountUpTo(self->times_n, self->times, t);

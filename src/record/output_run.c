@@ -18,7 +18,9 @@ static PetscErrorCode ScaleAttributes(Output self, HdfFile file) {
 /* What was changed, and what laws have become by time t: the viscous share of friction, the
    stiffness of contact; and the walls around the rod, for who draws it. */
 static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
+  const Contact *contact = &self->scene->contact;
   const Changes changes = self->scene->changes;
+  SceneMemory laws;
   char *text;
 
   PetscFunctionBegin;
@@ -28,15 +30,13 @@ static PetscErrorCode LawAttributes(Output self, HdfFile file, PetscReal t) {
                            "what was changed in the run: time, what, and its new value"));
     PetscCall(PetscFree(text));
   }
-  if (self->scene->load.shared)
-    PetscCall(HdfReal(file, "/", "viscous_share", 1 - self->scene->load.friction.mu));
+  SceneRemember(self->scene, &laws);
+  if (laws.shared != 0) PetscCall(HdfReal(file, "/", "viscous_share", laws.shared));
   PetscCall(SceneContactAt(self->scene, t));
-  if (self->scene->contact.any)
-    PetscCall(HdfReal(file, "/", "contact_stiffness", self->scene->contact.stiffness));
-  if (self->scene->contact.firm)
-    PetscCall(HdfReal(file, "/", "contact_firm", ContactFirmTimes(&self->scene->contact)));
-  if (!self->scene->contact.walls.n && !self->scene->contact.surfaces.n) PetscFunctionReturn(0);
-  PetscCall(ContactWallsText(&self->scene->contact, &text));
+  if (contact->any) PetscCall(HdfReal(file, "/", "contact_stiffness", contact->stiffness));
+  if (laws.firm > 0) PetscCall(HdfReal(file, "/", "contact_firm", ContactFirmTimes(contact)));
+  if (!contact->walls.n && !contact->surfaces.n) PetscFunctionReturn(0);
+  PetscCall(ContactWallsText(contact, &text));
   PetscCall(HdfWriteText(file, "walls", text, "the walls around the rod, one a line"));
   PetscCall(PetscFree(text));
   PetscFunctionReturn(0);
@@ -97,9 +97,7 @@ static PetscErrorCode ErrorAttributes(Output self, HdfFile file) {
 static PetscErrorCode WriteEvent(Output self, HdfFile file) {
   const Event *event = &self->event;
   const PetscInt two = 2;
-  const PetscReal c = PetscCosReal(self->scene->clamp_angle),
-                  s = PetscSinReal(self->scene->clamp_angle);
-  PetscReal x[2];
+  PetscReal x[3];
 
   PetscFunctionBegin;
   if (event->kind == EVENT_NONE) PetscFunctionReturn(0);
@@ -108,8 +106,7 @@ static PetscErrorCode WriteEvent(Output self, HdfFile file) {
   PetscCall(HdfWrite(file, "/event/t", 0, NULL, &event->t, "l/V", "its time"));
   PetscCall(HdfWrite(file, "/event/s", 1, &two, event->s, "1",
                      "labels of the places concerned; twice the same if it is one"));
-  x[0] = c * event->x[0] - s * event->x[1];
-  x[1] = s * event->x[0] + c * event->x[1];
+  SceneToLab(self->scene, event->x, x);
   PetscCall(HdfWrite(file, "/event/x", 1, &two, x, "l", "position x1, x2"));
   PetscCall(HdfText(file, "/event", "kind", event_name[event->kind]));
   PetscFunctionReturn(0);

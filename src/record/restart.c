@@ -1,8 +1,6 @@
 #include "record/restart.h"
 #include "scene/change.h"
 #include <ctype.h>
-#include <stddef.h>
-#include <string.h>
 
 static const OptionRow rows[] = {ROW_TEXT("-restart", INPUT_FILE | IN_PLACE | PASSING | PROGRAM,
                                           "result file of a run to go on with")};
@@ -45,7 +43,7 @@ PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart)
 
 /* The scales of the earlier run must be those of this one: its numbers stand for other lengths
    otherwise. */
-static PetscErrorCode CheckScales(const char *file, Scene scene) {
+static PetscErrorCode CheckScales(const char *file, Scene scene, MPI_Comm comm) {
   PetscBool same = PETSC_TRUE;
   PetscReal *scale;
   PetscInt n;
@@ -56,7 +54,7 @@ static PetscErrorCode CheckScales(const char *file, Scene scene) {
     if (PetscAbsReal(scale[k] - scene->si.scale[k]) > 1e-12 * PetscAbsReal(scale[k]))
       same = PETSC_FALSE;
   PetscCall(PetscFree(scale));
-  UserCheck(same, scene->comm,
+  UserCheck(same, comm,
             "-si_: the run in -restart %s is of another rod in the laboratory; leave these options "
             "out, they are taken from there",
             file);
@@ -64,7 +62,7 @@ static PetscErrorCode CheckScales(const char *file, Scene scene) {
 }
 
 /* A rod goes on as long as it was: the lengths that the file tells are those of this scene. */
-static PetscErrorCode CheckLength(const char *file, Scene scene) {
+static PetscErrorCode CheckLength(const char *file, Scene scene, MPI_Comm comm) {
   const PetscReal alike = 1e-9;
   PetscReal *t, *length, now;
   PetscInt n, rows;
@@ -73,9 +71,9 @@ static PetscErrorCode CheckLength(const char *file, Scene scene) {
   PetscCall(HdfRead("-restart", file, "/series/t", 1, &n, &t));
   PetscCall(HdfRead("-restart", file, "/series/length", 1, &rows, &length));
   n = PetscMin(n, rows) - 1;
-  UserCheck(n >= 0, scene->comm, "-restart %s: holds no series", file);
-  PetscCall(GrowthLength(scene->growth, t[n], &now, NULL));
-  UserCheck(PetscAbsReal(now - length[n]) <= alike * length[n], scene->comm,
+  UserCheck(n >= 0, comm, "-restart %s: holds no series", file);
+  PetscCall(SceneLength(scene, t[n], &now));
+  UserCheck(PetscAbsReal(now - length[n]) <= alike * length[n], comm,
             "-growth_: the rod in -restart %s is %.6g long at t = %.6g, and would be %.6g as it is "
             "said to grow now; leave -growth_initial_length and the like out, they are taken from "
             "there",
@@ -86,16 +84,34 @@ static PetscErrorCode CheckLength(const char *file, Scene scene) {
 }
 
 /* Gives the scene the file's mesh, which may depend on the end time the run had. */
-static PetscErrorCode TakeMesh(const char *file, Scene scene) {
+static PetscErrorCode TakeMesh(const char *file, Mesh *mesh, MPI_Comm comm) {
   PetscReal *s;
   PetscInt n;
 
   PetscFunctionBegin;
   PetscCall(HdfRead("-restart", file, "/shapes/s", 1, &n, &s));
-  if (n == scene->mesh.cells + 1) PetscCall(PetscArraycpy(scene->mesh.s, s, n));
+  if (n == mesh->cells + 1) PetscCall(PetscArraycpy(mesh->s, s, n));
   PetscCall(PetscFree(s));
-  UserCheck(n == scene->mesh.cells + 1, scene->comm, "-rod_cells %d: the run in -restart %s has %d",
-            (int)scene->mesh.cells, file, (int)n - 1);
+  UserCheck(n == mesh->cells + 1, comm, "-rod_cells %d: the run in -restart %s has %d",
+            (int)mesh->cells, file, (int)n - 1);
+  PetscFunctionReturn(0);
+}
+
+/* Files that have neither names nor changes have it beside: the clamp goes on from where it has
+   turned to, if its rate was changed in the run. */
+static PetscErrorCode TakeClamp(const char *file, SceneMemory *laws) {
+  PetscReal *clamp;
+  PetscBool has, changes;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(HdfHas(file, "/restart/clamp", &has));
+  PetscCall(HdfHas(file, "changes", &changes));
+  if (!has || changes) PetscFunctionReturn(0);
+  PetscCall(HdfRead("-restart", file, "/restart/clamp", 1, &n, &clamp));
+  if (n == 2) laws->spun = clamp[0];
+  if (n == 2) laws->spins_from = clamp[1];
+  PetscCall(PetscFree(clamp));
   PetscFunctionReturn(0);
 }
 
@@ -148,43 +164,19 @@ static PetscErrorCode Again(Scene scene, const char *lines, const ChangeRow *row
   the options have it already. After all that follows from the scene as the run began. Collective.
 */
 PetscErrorCode RestartChange(const char *file, Scene scene) {
+  Changes changes;
   char *lines;
 
   PetscFunctionBegin;
   PetscCall(ChangesTake(file, &scene->changes));
+  changes = scene->changes;
   PetscCall(HdfReadText("-restart", file, "options", &lines));
-  for (PetscInt k = 0; scene->changes && k < scene->changes->done; k++)
-    if (strcmp(scene->changes->row[k].what, "ts_max_time") != 0)
-      PetscCall(Again(scene, lines, &scene->changes->row[k]));
+  for (PetscInt k = 0; changes && k < changes->done; k++)
+    if (strcmp(changes->row[k].what, "ts_max_time") != 0)
+      PetscCall(Again(scene, lines, &changes->row[k]));
   PetscCall(PetscFree(lines));
-  PetscCall(CheckLength(file, scene));
+  PetscCall(CheckLength(file, scene, scene->comm));
   PetscFunctionReturn(0);
-}
-
-/* The series that only a rod has whose material learns are stored of none else. */
-enum { OF_TROPISM = OBSERVED - OBSERVED_STEERED };
-
-/* How many reals a scene stores of a state. */
-static PetscInt StateReals(Scene scene) {
-  return RESTART_STATE - (scene->tropism.any ? 0 : 2 * OF_TROPISM);
-}
-
-/* Copies a state to or from what is stored. */
-static void CopyState(Scene scene, PetscReal *state, PetscReal *stored, PetscBool store) {
-  const size_t first = offsetof(RestartState, seen) / sizeof(PetscReal),
-               most = scene->tropism.any ? OBSERVED : OBSERVED_STEERED,
-               part[3] = {first + most, most, RESTART_STATE - first - 2 * OBSERVED},
-               skip[3] = {0, OBSERVED - most, OBSERVED - most};
-
-  for (int k = 0; k < 3; k++) {
-    state += skip[k];
-    if (store)
-      memcpy(stored, state, part[k] * sizeof(*state));
-    else
-      memcpy(state, stored, part[k] * sizeof(*state));
-    state += part[k];
-    stored += part[k];
-  }
 }
 
 /*
@@ -194,28 +186,21 @@ static void CopyState(Scene scene, PetscReal *state, PetscReal *stored, PetscBoo
   begun  false if the earlier run had not taken a step: state is then not set, the run begins anew
 */
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun) {
+  const MPI_Comm comm = scene->comm;
   PetscBool result;
-  PetscReal *data;
-  PetscInt n;
   char text[64];
 
   PetscFunctionBegin;
   PetscCall(HdfHas(file, "/restart/points", begun));
   PetscCall(HdfHas(file, "/shapes/x", &result));
-  UserCheck(result, scene->comm, "-restart %s: is the result of another task, not of a run", file);
+  UserCheck(result, comm, "-restart %s: is the result of another task, not of a run", file);
   if (!*begun) PetscFunctionReturn(0);
-  PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
-  if (n == StateReals(scene)) CopyState(scene, (PetscReal *)state, data, PETSC_FALSE);
-  PetscCall(PetscFree(data));
-  UserCheck(n == StateReals(scene), scene->comm, "-restart %s: is of another version of tendril",
-            file);
-  PetscCall(CheckScales(file, scene));
-  PetscCall(TakeMesh(file, scene));
-  if (state->shared != 0) LoadShare(&scene->load, state->shared);
-  if (!scene->contact.chosen && state->firm < 0) PetscCall(ContactStaysSoft(&scene->contact));
-  if (!scene->contact.chosen) scene->contact.firm = (PetscBool)(state->firm > 0);
-  scene->contact.time = PETSC_MIN_REAL; /* its law may follow from the cells */
-  UserCheck(scene->end_time > state->t * (1 + 1e-12), scene->comm,
+  PetscCall(RememberedRead(file, comm, state));
+  PetscCall(CheckScales(file, scene, comm));
+  PetscCall(TakeMesh(file, &scene->mesh, comm));
+  PetscCall(TakeClamp(file, &state->laws));
+  PetscCall(SceneRecall(scene, &state->laws));
+  UserCheck(scene->end_time > state->t * (1 + 1e-12), comm,
             "-restart %s: is at t = %s already; give a later -ts_max_time", file,
             OptionBoth(state->t, UNIT_TIME, text));
   PetscFunctionReturn(0);
@@ -277,7 +262,7 @@ static PetscErrorCode Recall(Reader *reader, Rod rod) {
 
 /* RestartTake - gives a leg the state, the history and the memory of an earlier run. Collective. */
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg) {
-  MPI_Comm comm = leg->rod->scene->comm;
+  MPI_Comm comm = leg->rod->comm;
   PetscInt n = (PetscInt)state->points;
   Reader reader = {.file = file};
   PetscMPIInt rank;
@@ -350,8 +335,6 @@ PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Es
   points  borrowed, at most VBDF_POINTS, latest first
 */
 PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *state, Vec points[]) {
-  const Load *load = &leg->rod->scene->load;
-  const Contact *contact = &leg->rod->scene->contact;
   PetscInt n, order, steps;
   PetscReal now;
 
@@ -375,9 +358,7 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   state->order = order;
   state->steps = steps;
   state->fields = leg->rod->model->fields;
-  state->falls = leg->rod->scene->falls;
-  state->shared = load->shared ? 1 - load->friction.mu : 0;
-  state->firm = contact->firm ? 1 : contact->deepest ? 0 : -1;
+  SceneRemember(leg->rod->scene, &state->laws);
   PetscFunctionReturn(0);
 }
 
@@ -428,11 +409,7 @@ static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
    OutputStore(). Collective. */
 PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
                             Vec errors[]) {
-  const PetscInt scales = UNIT_ALL, two = 2;
-  const Space *space = &scene->space;
-  const PetscReal clamp[2] = {space->spun, space->spins_from};
-  const PetscInt n = StateReals(scene);
-  PetscReal data[RESTART_STATE];
+  const PetscInt scales = UNIT_ALL;
 
   PetscFunctionBegin;
   PetscCall(HdfDelete(file, "/restart"));
@@ -448,12 +425,7 @@ PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *st
     PetscCall(WriteVectors(file, "/restart/errors",
                            "the errors that are followed [part][node times fields]", ESTIMATE_KEPT,
                            errors, &state->errors_sum));
-  CopyState(scene, (PetscReal *)state, data, PETSC_TRUE);
-  PetscCall(HdfWrite(file, "/restart/state", 1, &n, data, "mixed",
-                     "time, step and history of the stepper, for -restart"));
-  if (space->spins_from > 0)
-    PetscCall(HdfWrite(file, "/restart/clamp", 1, &two, clamp, "rad, l/V",
-                       "by how much the clamp had turned when its rate was changed, and when"));
+  PetscCall(RememberedWrite(file, state));
   PetscCall(HdfWrite(file, "/restart/scales", 1, &scales, scene->si.scale, "SI",
                      "the scales of the rod in the laboratory, 0: none"));
   PetscFunctionReturn(0);

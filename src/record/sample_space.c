@@ -5,19 +5,13 @@
 
 /* SampleLaws - what the laws give at nodes from first to end, and between them. */
 PetscErrorCode SampleLaws(Scene scene, PetscReal t, PetscInt first, PetscInt end, SampleLaw law[]) {
-  const PetscReal *mesh = scene->mesh.s;
+  PetscInt nodes;
+  const PetscReal *mesh = SceneLabels(scene, &nodes);
 
   PetscFunctionBegin;
   for (PetscInt k = 2 * first; k <= 2 * end; k++, law++) {
     const PetscReal s = k % 2 ? (mesh[k / 2] + mesh[k / 2 + 1]) / 2 : mesh[k / 2];
-    PetscReal B, B_t;
-    PetscCall(GrowthStretch(scene->growth, 1, &s, t, &law->g, &law->g_t, NULL));
-    law->c = GrowthSlide(scene->growth, s, t);
-    law->strain = GrowthStrain(scene->growth, s, t, law->g_t);
-    PetscCall(SceneStiffness(scene, s, t, &B, &B_t));
-    SceneStiffnesses(scene, B, law->S);
-    SceneStiffnesses(scene, B_t, law->S_t);
-    PetscCall(CurvatureStrains(&scene->curvature, scene->growth, s, t, law->u0, law->u0_t));
+    PetscCall(SceneMaterial(scene, s, t, law));
   }
   PetscFunctionReturn(0);
 }

@@ -9,12 +9,7 @@ enum {
   PUSH = 4
 }; /* a force of contact per length: x1, x2, and in space x3 and the couple about d1 */
 
-/* What the laws give at a point. */
-typedef struct {
-  PetscReal g, g_t, c, strain; /* stretch, its rate, slide, rate of the material's stretch */
-  PetscReal S[3], S_t[3];      /* stiffnesses, and their rates in the material */
-  PetscReal u0[3], u0_t[3];    /* natural strains, likewise */
-} SampleLaw;
+typedef Material SampleLaw; /* what the laws give at a point */
 
 typedef struct {
   Node node;

@@ -14,6 +14,9 @@ typedef struct {
 /* Only rank 0 has a file; the others hold an empty shell and share the verdict on errors. */
 struct _Output {
   Scene scene;
+  MPI_Comm comm;
+  PetscInt nodes;
+  const PetscReal *s;            /* their labels */
   char path[PETSC_MAX_PATH_LEN]; /* empty: nothing is stored */
   PetscBool mine, there, broken; /* this rank writes it; it has been written; it could not be */
   PetscBool series_kept, shapes_kept; /* for OutputHarvest() */

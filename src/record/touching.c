@@ -5,6 +5,9 @@
 
 struct _Touching {
   Scene scene;
+  const PetscReal *s;       /* labels of the nodes, */
+  PetscInt cells;           /* one more than these */
+  PetscBool space;          /* the rod is in space */
   Strands strands;          /* NULL: it does not touch itself */
   PetscReal (*force)[PUSH]; /* per length, at nodes and middles of cells */
   SampleLaw *law;           /* of a rod in space, at the time of the latest look, likewise */
@@ -16,11 +19,16 @@ struct _Touching {
 /* TouchingCreate - for a scene with contact, which must outlive it. Not collective; the caller
    destroys it with TouchingDestroy(). */
 PetscErrorCode TouchingCreate(Scene scene, Touching *touching) {
+  PetscInt nodes;
+
   PetscFunctionBegin;
   PetscCall(PetscNew(touching));
   (*touching)->scene = scene;
-  PetscCall(PetscMalloc1(2 * scene->mesh.cells + 1, &(*touching)->force));
-  if (scene->space.rod) PetscCall(PetscMalloc1(2 * scene->mesh.cells + 1, &(*touching)->law));
+  (*touching)->s = SceneLabels(scene, &nodes);
+  (*touching)->cells = nodes - 1;
+  (*touching)->space = scene->space.rod;
+  PetscCall(PetscMalloc1(2 * nodes - 1, &(*touching)->force));
+  if ((*touching)->space) PetscCall(PetscMalloc1(2 * nodes - 1, &(*touching)->law));
   if (scene->contact.self) PetscCall(StrandsCreate(scene, &(*touching)->strands));
   PetscFunctionReturn(0);
 }
@@ -57,9 +65,10 @@ static PetscErrorCode SpotLaws(Scene scene, PetscReal t, const PetscReal x_t[2],
 
 /* By how much the angle in the middle of a cell is more than the mean of its ends', which counts
    where material slides along a wall that rubs: h/8 (theta'_a - theta'_b). */
-static PetscErrorCode Bow(Scene scene, PetscReal t, const Node *nodes, PetscInt i,
+static PetscErrorCode Bow(const Touching self, PetscReal t, const Node *nodes, PetscInt i,
                           const PetscReal g[2], PetscReal *bow) {
-  const PetscReal *s = scene->mesh.s + i, h = s[1] - s[0];
+  const Scene scene = self->scene;
+  const PetscReal *s = self->s + i, h = s[1] - s[0];
 
   PetscFunctionBegin;
   *bow = 0;
@@ -75,9 +84,10 @@ static PetscErrorCode Bow(Scene scene, PetscReal t, const Node *nodes, PetscInt 
 }
 
 /* Node i; or the middle of the cell behind it, y = (y_a + y_b)/2 + h/8 (y'_a - y'_b). */
-static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscBool moves,
+static PetscErrorCode SpotOf(const Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                              PetscInt i, int half, Spot *spot) {
-  const PetscReal *s = scene->mesh.s, h = half ? s[i + 1] - s[i] : 0;
+  const Scene scene = self->scene;
+  const PetscReal *s = self->s, h = half ? s[i + 1] - s[i] : 0;
   PetscReal g[2], g_t[2], x_t[2] = {nodes[i].x_t[0], nodes[i].x_t[1]}, theta = nodes[i].theta;
 
   PetscFunctionBegin;
@@ -86,7 +96,7 @@ static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscB
   for (int d = 0; d < 2; d++) spot->x[d] = nodes[i].x[d];
   if (half) {
     PetscCall(GrowthStretch(scene->growth, 2, &s[i], t, g, g_t, NULL));
-    PetscCall(Bow(scene, t, nodes, i, g, &theta));
+    PetscCall(Bow(self, t, nodes, i, g, &theta));
     theta += (nodes[i].theta + nodes[i + 1].theta) / 2;
     for (int d = 0; d < 2; d++) spot->x[d] = x_t[d] = 0;
     for (int e = 0; e < 2; e++) {
@@ -103,7 +113,7 @@ static PetscErrorCode SpotOf(Scene scene, PetscReal t, const Node *nodes, PetscB
   spot->weight = 4 * h / 6;
   if (half) PetscFunctionReturn(0);
   if (i > 0) spot->weight += (s[i] - s[i - 1]) / 6;
-  if (i < scene->mesh.cells) spot->weight += (s[i + 1] - s[i]) / 6;
+  if (i < self->cells) spot->weight += (s[i + 1] - s[i]) / 6;
   PetscFunctionReturn(0);
 }
 
@@ -184,7 +194,7 @@ PetscErrorCode TouchingCell(Touching self, PetscInt i, const FootCell *cell, Tou
                             PetscBool *touches, const PetscReal (**load)[FOOT_LOAD]) {
   const FeetHeld none = {.first = NULL};
   const Contact *contact = &self->scene->contact;
-  const PetscReal *s = self->scene->mesh.s;
+  const PetscReal *s = self->s;
   TouchFeet *room = NULL;
   Feet feet;
 
@@ -207,9 +217,10 @@ PetscErrorCode TouchingCell(Touching self, PetscInt i, const FootCell *cell, Tou
 }
 
 /* Cell i, for its feet. */
-static PetscErrorCode FeetsCell(Scene scene, PetscReal t, const Node *nodes, PetscBool moves,
-                                PetscInt i, FootCell *cell) {
-  const PetscReal *s = scene->mesh.s, *at = s + i;
+static PetscErrorCode FeetsCell(const Touching self, PetscReal t, const Node *nodes,
+                                PetscBool moves, PetscInt i, FootCell *cell) {
+  const Scene scene = self->scene;
+  const PetscReal *at = self->s + i;
   CurveCell *curve = &cell->curve;
   PetscReal g_t[2];
 
@@ -217,7 +228,7 @@ static PetscErrorCode FeetsCell(Scene scene, PetscReal t, const Node *nodes, Pet
   *cell = (FootCell){.dims = 2, .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};
   curve->h = at[1] - at[0];
   cell->first = (PetscBool)(i == 0);
-  cell->last = (PetscBool)(i == scene->mesh.cells - 1);
+  cell->last = (PetscBool)(i == self->cells - 1);
   PetscCall(GrowthStretch(scene->growth, 2, at, t, curve->g, g_t, NULL));
   for (int k = 0; k < FOOT_PARTS; k++)
     curve->c[k] = GrowthSlide(scene->growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
@@ -242,8 +253,8 @@ static PetscErrorCode LookAtPosts(Touching self, PetscReal t, const Node *nodes,
   FootCell cell;
 
   PetscFunctionBegin;
-  for (PetscInt i = 0; i < self->scene->mesh.cells && self->scene->contact.thin; i++) {
-    PetscCall(FeetsCell(self->scene, t, nodes, moves, i, &cell));
+  for (PetscInt i = 0; i < self->cells && self->scene->contact.thin; i++) {
+    PetscCall(FeetsCell(self, t, nodes, moves, i, &cell));
     PetscCall(TouchingCell(self, i, &cell, sum, &touches[i], &load));
   }
   PetscFunctionReturn(0);
@@ -252,7 +263,7 @@ static PetscErrorCode LookAtPosts(Touching self, PetscReal t, const Node *nodes,
 /* All walls: posts first, for a zone of contact may be between two points. */
 static PetscErrorCode LookAtWalls(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                                   TouchSum *sum) {
-  const PetscInt cells = self->scene->mesh.cells;
+  const PetscInt cells = self->cells;
   PetscBool before = PETSC_FALSE, *at_feet;
   Spot spot;
 
@@ -261,7 +272,7 @@ static PetscErrorCode LookAtWalls(Touching self, PetscReal t, const Node *nodes,
   PetscCall(LookAtPosts(self, t, nodes, moves, at_feet, sum));
   for (PetscInt k = 0; k <= 2 * cells; k++) {
     PetscBool touches;
-    PetscCall(SpotOf(self->scene, t, nodes, moves, k / 2, (int)(k % 2), &spot));
+    PetscCall(SpotOf(self, t, nodes, moves, k / 2, (int)(k % 2), &spot));
     touches = Walls1(self, &spot, (PetscBool)(k == 2 * cells && self->scene->tip.type == TIP_FREE),
                      self->force[k], sum);
     touches = (PetscBool)(touches || (k % 2 && at_feet[k / 2]));
@@ -286,10 +297,10 @@ static PetscReal AboutTangent(const Node *nodes, PetscInt point, const PetscReal
 /* All of the rod's own strands. */
 static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                                     TouchSum *sum) {
-  const PetscReal *s = self->scene->mesh.s;
-  const PetscInt points = 2 * self->scene->mesh.cells + 1;
+  const PetscReal *s = self->s;
+  const PetscInt points = 2 * self->cells + 1;
   const PetscReal(*force)[3], (*couple)[3];
-  const PetscBool space = self->scene->space.rod;
+  const PetscBool space = self->space;
   const PetscReal *u_t = space ? nodes[0].x3_t : nodes[0].x_t;
   const StrandState state = {.t = t,
                              .stride = NODE_VALUES,
@@ -305,7 +316,7 @@ static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *node
   couple = StrandsCouples(self->strands);
   for (PetscInt k = 0; k < points; k++) {
     PetscReal g, z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
-    PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
+    PetscCall(SceneStretch(self->scene, z, t, &g));
     for (int d = 0; d < 3; d++) self->force[k][d] -= force[k][d] / g;
     if (couple) self->force[k][3] -= AboutTangent(nodes, k, couple[k]) / g;
   }
@@ -341,17 +352,16 @@ PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, Petsc
   PetscCall(SceneContactAt(self->scene, t));
   PetscCall(PetscMemzero(sum, sizeof(*sum)));
   self->feet = 0;
-  PetscCall(PetscArrayzero(self->force, 2 * self->scene->mesh.cells + 1));
+  PetscCall(PetscArrayzero(self->force, 2 * self->cells + 1));
   sum->nearest = asks == TOUCHING_ALL ? PETSC_MAX_REAL : -PETSC_MAX_REAL;
   if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
-  if (self->scene->space.rod) {
-    PetscCall(SampleLaws(self->scene, t, 0, self->scene->mesh.cells, self->law));
+  if (self->space) {
+    PetscCall(SampleLaws(self->scene, t, 0, self->cells, self->law));
     PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->likely, self->law,
                              self->force, sum));
   } else if (self->scene->contact.walls.n)
     PetscCall(LookAtWalls(self, t, nodes, moves, sum));
-  if (asks == TOUCHING_ALL)
-    self->likely = KnotBehind(self->scene->mesh.cells + 1, self->scene->mesh.s, sum->at[0]) - 1;
+  if (asks == TOUCHING_ALL) self->likely = KnotBehind(self->cells + 1, self->s, sum->at[0]) - 1;
   *force = (const PetscReal(*)[PUSH])self->force;
   PetscFunctionReturn(0);
 }
@@ -372,17 +382,17 @@ PetscInt TouchingFeet(Touching self, const TouchFeet **feet) {
 /* TouchingShow - adds the forces of feet to those at nodes and between them that the latest look
    has given, as if the points of their cells had them: what all add up to is kept. */
 PetscErrorCode TouchingShow(Touching self, PetscReal t, const Node *nodes) {
-  const PetscReal *s = self->scene->mesh.s;
-  const PetscBool space = self->scene->space.rod;
+  const PetscReal *s = self->s;
+  const PetscBool space = self->space;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < self->feet; f++)
     for (int k = 0; k < FOOT_PARTS; k++) {
-      const PetscInt i = self->foot[f].cell, node = i + k / 2, last = self->scene->mesh.cells;
+      const PetscInt i = self->foot[f].cell, node = i + k / 2, last = self->cells;
       const PetscReal h = s[i + 1] - s[i], z = k == 1 ? (s[i] + s[i + 1]) / 2 : s[node];
       PetscReal g, part = 1;
       if (k != 1) part = h / (s[PetscMin(node + 1, last)] - s[PetscMax(node - 1, 0)]);
-      PetscCall(GrowthStretch(self->scene->growth, 1, &z, t, &g, NULL, NULL));
+      PetscCall(SceneStretch(self->scene, z, t, &g));
       for (int d = 0; d < 3; d++) self->force[2 * i + k][d] -= part / g * self->foot[f].load[k][d];
       if (space)
         self->force[2 * i + k][SPIN] -=

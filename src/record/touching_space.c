@@ -67,14 +67,15 @@ static Spot3 SpotOf(const Sample3 *sample, PetscReal s, PetscReal weight, PetscB
 /* The cell between two nodes, for its feet; t: the time. */
 static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, const Sample3 *a,
                       const Sample3 *b, FootCell *cell) {
-  const PetscReal *s = scene->mesh.s;
+  PetscInt nodes;
+  const PetscReal *s = SceneLabels(scene, &nodes);
   const Sample3 *end[2] = {a, b};
   CurveCell *curve = &cell->curve;
 
   *cell = (FootCell){.dims = 3, .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};
   curve->h = s[i + 1] - s[i];
   cell->first = (PetscBool)(i == 0);
-  cell->last = (PetscBool)(i == scene->mesh.cells - 1);
+  cell->last = (PetscBool)(i == nodes - 2);
   for (int k = 0; k < FOOT_PARTS; k++)
     curve->c[k] = GrowthSlide(scene->growth, (s[i + k / 2] + s[i + (k + 1) / 2]) / 2, t);
   for (int e = 0; e < 2; e++) {
@@ -107,15 +108,17 @@ static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, con
 PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Node *nodes,
                               PetscBool moves, PetscInt likely, const SampleLaw law[],
                               PetscReal (*force)[PUSH], TouchSum *sum) {
-  const PetscReal round_off = 1e-9, *s = scene->mesh.s;
-  const PetscInt cells = scene->mesh.cells;
+  PetscInt all;
+  const PetscReal round_off = 1e-9, *s = SceneLabels(scene, &all);
+  const Contact *contact = &scene->contact;
+  const PetscInt cells = all - 1;
   PetscBool before = PETSC_FALSE;
   Sample3 a, b, mid;
   PetscReal bound = sum->nearest;
 
   PetscFunctionBegin;
-  if (bound > scene->contact.smooth) {
-    bound = ContactGap3(&scene->contact, nodes[likely].x3, bound);
+  if (bound > contact->smooth) {
+    bound = ContactGap3(contact, nodes[likely].x3, bound);
     if (bound < sum->nearest) bound += round_off * PetscAbsReal(bound);
   }
   for (PetscInt i = 0; i <= cells; i++) {
@@ -127,18 +130,18 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
     SampleFill3(scene, t, &law[2 * i], &b);
     spot = SpotOf(&b, s[i], (ahead + behind) / 6, moves);
     spot.tip = (PetscBool)(i == cells && scene->tip.type == TIP_FREE);
-    touches = Walls3(&scene->contact, &spot, bound, force[2 * i], sum);
+    touches = Walls3(contact, &spot, bound, force[2 * i], sum);
     if (i) { /* the middle of the cell before it follows from both its ends */
       const PetscReal(*feet)[FOOT_LOAD] = NULL;
       PetscBool between, at_feet = PETSC_FALSE;
       FootCell cell;
-      if (scene->contact.thin) {
+      if (contact->thin) {
         FeetsCell(scene, t, i - 1, moves, &a, &b, &cell);
         PetscCall(TouchingCell(self, i - 1, &cell, sum, &at_feet, &feet));
       }
       PetscCall(SampleMid3(scene, s[i - 1], s[i], t, &law[2 * i - 1], &a, &b, feet, &mid));
       spot = SpotOf(&mid, (s[i - 1] + s[i]) / 2, 4 * ahead / 6, moves);
-      between = Walls3(&scene->contact, &spot, bound, force[2 * i - 1], sum);
+      between = Walls3(contact, &spot, bound, force[2 * i - 1], sum);
       between = (PetscBool)(between || at_feet);
       sum->zones += between && !before;
       before = between;

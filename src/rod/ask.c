@@ -38,6 +38,29 @@ PetscErrorCode RodLength(const Rod rod, PetscReal t, PetscReal *length) {
   PetscFunctionReturn(0);
 }
 
+/* RodStiffnessAt - stretch and stiffnesses at a node: SceneStiffnesses(), in the plane the first
+   alone. */
+PetscErrorCode RodStiffnessAt(const Rod rod, PetscInt node, PetscReal t, PetscReal *g,
+                              PetscReal S[3]) {
+  const Scene scene = rod->each[0]->scene;
+  PetscReal B;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(scene->growth, 1, &rod->s[node], t, g, NULL, NULL));
+  PetscCall(SceneStiffness(scene, rod->s[node], t, &B, NULL));
+  S[0] = B;
+  if (rod->model->space) SceneStiffnesses(scene, B, S);
+  PetscFunctionReturn(0);
+}
+
+/* RodLongest - how long it becomes at most in its run. */
+PetscReal RodLongest(const Rod rod) {
+  PetscReal longest = 0;
+
+  for (PetscInt k = 0; k < rod->rods; k++) longest = PetscMax(longest, rod->each[k]->scene->reach);
+  return longest;
+}
+
 /* RodEndTime - when its run ends, as its scene has it. */
 PetscReal RodEndTime(const Rod rod) {
   return rod->each[0]->scene->end_time;
@@ -97,6 +120,15 @@ void RodMakeSlippery(Rod rod, PetscBool slippery) {
   for (PetscInt k = 0; k < rod->rods; k++) rod->each[k]->scene->contact.slippery = slippery;
 }
 
+/* RodLayer - the length over which contact spreads a force that acts at a point; the least one. */
+PetscReal RodLayer(const Rod rod) {
+  PetscReal least = PETSC_MAX_REAL;
+
+  for (PetscInt k = 0; k < rod->rods; k++)
+    least = PetscMin(least, rod->each[k]->scene->contact.tip);
+  return least;
+}
+
 /* RodContactAt - makes its laws of contact those of time t: SceneContactAt(). */
 PetscErrorCode RodContactAt(Rod rod, PetscReal t) {
   PetscFunctionBegin;
@@ -151,6 +183,18 @@ static PetscBool Sticks(const struct _Scene *scene) {
   return LoadSticks(&scene->load);
 }
 
+static PetscBool IsNotViscous(const struct _Scene *scene) {
+  const Contact *contact = &scene->contact;
+
+  return (PetscBool)(scene->load.friction.mu != 0 || scene->load.friction.own ||
+                     scene->tip.law == TIP_RESISTANCE || ContactWallsRub(contact) ||
+                     (contact->self && contact->friction > 0));
+}
+
+static PetscBool IsLimit(const struct _Scene *scene) {
+  return scene->load.limit;
+}
+
 static PetscBool FeelsSpin(const struct _Scene *scene) {
   return (PetscBool)(scene->load.radius > 0);
 }
@@ -165,9 +209,33 @@ PetscBool RodSticks(const Rod rod) {
   return Any(rod, Sticks);
 }
 
+/* RodIsViscous - is all friction viscous, and so as straight in speed as can be? */
+PetscBool RodIsViscous(const Rod rod) {
+  return (PetscBool)!Any(rod, IsNotViscous);
+}
+
+/* RodIsLimit - is exact friction taken for the limit of one with a beta? */
+PetscBool RodIsLimit(const Rod rod) {
+  return Any(rod, IsLimit);
+}
+
 /* RodFeelsSpin - has friction a radius at which it feels that the rod turns about its tangent? */
 PetscBool RodFeelsSpin(const Rod rod) {
   return Any(rod, FeelsSpin);
+}
+
+/* RodSwapSlopes - friction along it, and at its tip, has these slopes from now on; out: those that
+   it had. */
+void RodSwapSlopes(Rod rod, FrictionNewton slope[2]) {
+  const FrictionNewton taken[2] = {slope[0], slope[1]};
+
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    Scene scene = rod->each[k]->scene;
+    slope[0] = scene->load.friction.newton;
+    slope[1] = scene->tip.resistance.friction.newton;
+    scene->load.friction.newton = taken[0];
+    scene->tip.resistance.friction.newton = taken[1];
+  }
 }
 
 /* Is no energy behind the equations? By friction on walls or strands, by that which is weaker
@@ -214,6 +282,28 @@ PetscReal RodSteered(const Rod rod, PetscInt field) {
       if (strstr(moved[e], rod->model->field[field]))
         most = CurvatureSteered(curvature, e) * RodUnits(rod)->length * RodFieldUnit(rod, field);
   }
+  return most;
+}
+
+/* RodSteeredTo - the largest bend by nature to which it is steered; 0: it is not. */
+PetscReal RodSteeredTo(const Rod rod) {
+  PetscReal most = 0;
+
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const Curvature *curvature = &rod->each[k]->scene->curvature;
+    if (!curvature->steered) continue;
+    most = PetscMax(
+        most, PetscMax(CurvatureSteered(curvature, BEND_2), CurvatureSteered(curvature, BEND_3)));
+  }
+  return most;
+}
+
+/* RodRounding - the energy that round-off leaves of a rod that is bent by nature. */
+PetscReal RodRounding(const Rod rod, PetscReal length) {
+  PetscReal most = 0;
+
+  for (PetscInt k = 0; k < rod->rods; k++)
+    most = PetscMax(most, CurvatureRounding(&rod->each[k]->scene->curvature, length));
   return most;
 }
 

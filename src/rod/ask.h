@@ -14,6 +14,9 @@ typedef struct {
 /* its ends, length and units */
 RodEnds RodEndsOf(const Rod rod);
 PetscErrorCode RodLength(const Rod rod, PetscReal t, PetscReal *length);
+PetscErrorCode RodStiffnessAt(const Rod rod, PetscInt node, PetscReal t, PetscReal *g,
+                              PetscReal S[3]);
+PetscReal RodLongest(const Rod rod);
 PetscReal RodEndTime(const Rod rod);
 const SceneUnits *RodUnits(const Rod rod);
 
@@ -23,6 +26,7 @@ PetscBool RodMeetsWalls(const Rod rod);
 PetscBool RodMeetsItself(const Rod rod);
 PetscBool RodRubsOnWalls(const Rod rod);
 void RodMakeSlippery(Rod rod, PetscBool slippery);
+PetscReal RodLayer(const Rod rod);
 PetscErrorCode RodContactAt(Rod rod, PetscReal t);
 PetscBool RodMayGetFirm(const Rod rod);
 void RodForgetDepth(Rod rod);
@@ -32,7 +36,10 @@ void RodStaysFirm(Rod rod);
 /* its friction */
 PetscBool RodIsDry(const Rod rod);
 PetscBool RodSticks(const Rod rod);
+PetscBool RodIsViscous(const Rod rod);
+PetscBool RodIsLimit(const Rod rod);
 PetscBool RodFeelsSpin(const Rod rod);
+void RodSwapSlopes(Rod rod, FrictionNewton slope[2]);
 PetscBool RodHasModes(const Rod rod);
 
 /* how it snaps */
@@ -41,6 +48,8 @@ void RodAtSpeed(Rod rod, PetscReal speed);
 
 /* what drives it */
 PetscReal RodSteered(const Rod rod, PetscInt field);
+PetscReal RodSteeredTo(const Rod rod);
+PetscReal RodRounding(const Rod rod, PetscReal length);
 PetscReal RodNextTurn(const Rod rod, PetscReal t);
 PetscBool RodMayJerk(const Rod rod);
 PetscBool RodJerks(const Rod rod, PetscReal t0, PetscReal t1);

@@ -104,7 +104,7 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
 /* Forgets the points: what they depend on besides the state has changed, the shifts of the duals.
  */
 static void Forget(Frame *frame) {
-  frame->seen.t = PETSC_MIN_REAL;
+  RodForget(&frame->seen);
 }
 
 /* Adds to n' what strands that touch do at node i, or behind it. */

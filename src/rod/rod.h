@@ -195,6 +195,11 @@ PetscErrorCode RodHoldTip(Rod rod);
 const char *RodRefusesSpace(Scene scene);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
+/* No state is the one that was seen last: it is looked at anew. */
+static inline void RodForget(RodSeen *seen) {
+  seen->t = PETSC_MIN_REAL;
+}
+
 PetscErrorCode RodRecognise(const RodState *at, RodSeen *seen, PetscBool *known);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);

@@ -152,7 +152,7 @@ static Point *NodePoint(Cell *cell, PetscInt i) {
 /* SpaceCellsForget - forgets the points: what they depend on besides the state has changed, the
    shifts of the duals. */
 void SpaceCellsForget(Space_ *self) {
-  self->seen.t = PETSC_MIN_REAL;
+  RodForget(&self->seen);
 }
 
 /* Are the points known in a state? What kinds of cells there are, and which strands touch, depends

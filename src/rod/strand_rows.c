@@ -26,7 +26,7 @@ PetscErrorCode StrandRowsCreate(Rod rod, StrandRows *rows) {
   PetscCall(StrandsCreate(rod->scene, &(*rows)->strands));
   PetscCall(CoupledCreate(rod, &(*rows)->coupled));
   PetscCall(PetscCalloc1(rod->end - rod->first, &(*rows)->cells));
-  (*rows)->seen.t = PETSC_MIN_REAL;
+  RodForget(&(*rows)->seen);
   PetscFunctionReturn(0);
 }
 
@@ -78,7 +78,7 @@ PetscErrorCode StrandRowsLoad(Rod rod, StrandRows self, const RodState *at,
 PetscErrorCode StrandRowsHold(StrandRows self, PetscReal seen, PetscReal *creep) {
   PetscFunctionBegin;
   PetscCall(StrandsHold(self->strands, seen, creep));
-  self->seen.t = PETSC_MIN_REAL; /* its forces are others now */
+  RodForget(&self->seen); /* its forces are others now */
   PetscFunctionReturn(0);
 }
 
@@ -108,7 +108,7 @@ PetscErrorCode StrandRowsRecalled(Rod rod, StrandRows self) {
   PetscMPIInt count;
 
   PetscFunctionBegin;
-  self->seen.t = PETSC_MIN_REAL;
+  RodForget(&self->seen);
   for (PetscInt k = 0; k < n; k++) {
     PetscInt node = k / (2 * SIDES);
     if (node < rod->first || node >= rod->end) PetscCall(PetscMemzero(&duals[k], sizeof(*duals)));

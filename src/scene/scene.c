@@ -144,10 +144,65 @@ void SceneAtSpeed(Scene scene, PetscReal speed) {
   scene->falls = speed;
 }
 
+const char *const scene_memory_name[] = {"falls", "shared", "firm", "spun", "spins_from"};
+
+/* SceneRemember - for a restart: what laws have become, but by changes, which are done again. */
+void SceneRemember(Scene scene, SceneMemory *memory) {
+  const Load *load = &scene->load;
+  const Contact *contact = &scene->contact;
+
+  *memory = (SceneMemory){.falls = scene->falls,
+                          .shared = load->shared ? 1 - load->friction.mu : 0,
+                          .firm = contact->firm      ? 1
+                                  : contact->deepest ? 0
+                                                     : -1};
+  if (scene->space.spins_from > 0 && !(scene->changes && scene->changes->done)) {
+    memory->spun = scene->space.spun;
+    memory->spins_from = scene->space.spins_from;
+  }
+}
+
+/* SceneRecall - they are that again; but for a rod that snaps, which waits for its units:
+   SceneAtSpeed(). */
+PetscErrorCode SceneRecall(Scene scene, const SceneMemory *memory) {
+  Contact *contact = &scene->contact;
+
+  PetscFunctionBegin;
+  if (memory->spins_from > 0) {
+    scene->space.spun = memory->spun;
+    scene->space.spins_from = memory->spins_from;
+  }
+  if (memory->shared != 0) LoadShare(&scene->load, memory->shared);
+  if (!contact->chosen && memory->firm < 0) PetscCall(ContactStaysSoft(contact));
+  if (!contact->chosen) contact->firm = (PetscBool)(memory->firm > 0);
+  contact->time = PETSC_MIN_REAL; /* its law may follow from the cells */
+  PetscFunctionReturn(0);
+}
+
 /* SceneLinkWalls - tells the load and the tip of the walls; once more where a scene is shared. */
 void SceneLinkWalls(Scene scene) {
   LoadSetWalls(&scene->load, &scene->contact);
   scene->tip.walls = scene->load.walls;
+}
+
+/* SceneLabels - the labels of the rod's nodes, and how many there are. Borrowed. */
+const PetscReal *SceneLabels(Scene scene, PetscInt *nodes) {
+  *nodes = scene->mesh.cells + 1;
+  return scene->mesh.s;
+}
+
+/* SceneLength - how long the rod is at time t. */
+PetscErrorCode SceneLength(Scene scene, PetscReal t, PetscReal *length) {
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(scene->growth, t, length, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* SceneStretch - g at the label s and time t. */
+PetscErrorCode SceneStretch(Scene scene, PetscReal s, PetscReal t, PetscReal *g) {
+  PetscFunctionBegin;
+  PetscCall(GrowthStretch(scene->growth, 1, &s, t, g, NULL, NULL));
+  PetscFunctionReturn(0);
 }
 
 /* SceneMaterial - what the rod's own laws give at the label s and time t. */

@@ -38,6 +38,15 @@ typedef struct {
   PetscReal u0[3], u0_t[3];    /* natural strains, likewise */
 } Material;
 
+/* What its laws have become in a run: SceneRemember(). Named as scene_memory_name has it. */
+typedef struct {
+  PetscReal falls;            /* speed of a rod that snaps; 0: it does not */
+  PetscReal shared;           /* viscous share that friction was given, see LoadShareMore() */
+  PetscReal firm;             /* 1: contact got firm, 0: it may, -1: it stays as it is */
+  PetscReal spun, spins_from; /* by how much the clamp had turned when its rate was changed; when */
+} SceneMemory;
+extern const char *const scene_memory_name[];
+
 typedef struct _Scene *Scene;
 struct _Scene {
   MPI_Comm comm; /* the ranks that share it */
@@ -71,7 +80,12 @@ PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);
 void SceneLinkWalls(Scene scene);
 void SceneAtSpeed(Scene scene, PetscReal speed);
+const PetscReal *SceneLabels(Scene scene, PetscInt *nodes);
+PetscErrorCode SceneLength(Scene scene, PetscReal t, PetscReal *length);
+PetscErrorCode SceneStretch(Scene scene, PetscReal s, PetscReal t, PetscReal *g);
 PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at);
+void SceneRemember(Scene scene, SceneMemory *memory);
+PetscErrorCode SceneRecall(Scene scene, const SceneMemory *memory);
 PetscErrorCode SceneForce(Scene scene, PetscReal *force);
 PetscErrorCode SceneContactAt(Scene scene, PetscReal t);
 PetscReal SceneNextTurn(Scene scene, PetscReal t);

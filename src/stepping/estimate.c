@@ -1,6 +1,8 @@
 #include "stepping/estimate.h"
 #include "base/blocklu.h"
 #include "base/chain.h"
+#include "rod/ask.h"
+#include "rod/coarse.h"
 #include "rod/learned.h"
 #include "stepping/vbdf.h"
 #include "stepping/rules.h"
@@ -62,7 +64,6 @@ struct _Estimate {
   PetscReal now[ESTIMATE_PARTS][ESTIMATE_SEEN];   /* of the state when e was stepped last */
   PetscReal rigid[RIGID_VALUES]; /* what k dU/dk makes of its tip and energy, of itself */
   /* rank 0: the coarse rod; NULL else */
-  Scene scene;
   Rod rod;
   Elimination elimination; /* NULL: far parts of the rod touch, and it is a matrix */
   Mat J;
@@ -89,15 +90,15 @@ static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
    one: between longer ones a place where the rod touches would be lost, and what it holds go
    astray. */
 static PetscInt Stride(const Estimate self, PetscReal reach) {
-  const Scene scene = self->leg->rod->scene;
-  const PetscReal h = reach / scene->mesh.cells, half = scene->contact.tip / 2;
-  PetscInt most = scene->mesh.cells / step_rule.estimate_cells;
+  const Rod rod = self->leg->rod;
+  const PetscReal h = reach / rod->last, half = RodLayer(rod) / 2;
+  PetscInt most = rod->last / step_rule.estimate_cells;
   PetscReal length = step_rule.estimate_longest;
 
   if (self->touches) {
     if (2 * h > half) return 1;
     length = PetscMin(step_rule.estimate_longest, half);
-    most = scene->mesh.cells;
+    most = rod->last;
   }
   return 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
 }
@@ -108,7 +109,7 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
 
 /* Far parts of the rod see each other: that is no line of neighbours. */
 static PetscErrorCode CreateMatrix(Estimate self) {
-  const PetscBool held = (PetscBool)(self->scene->tip.type != TIP_FREE);
+  const PetscBool held = RodEndsOf(self->rod).tip_held;
 
   PetscFunctionBegin;
   if (BlockLUCan(self->nodes, self->fields)) {
@@ -122,40 +123,12 @@ static PetscErrorCode CreateMatrix(Estimate self) {
   PetscFunctionReturn(0);
 }
 
-/* Errors obey the slope of friction itself. That which Newton's method is better off with has a
-   memory of the solve before, and none is made here: friction would hold errors along the motion,
-   too, where it gives way to them. */
-static void TakeSlopes(Scene coarse) {
-  coarse->load.friction.newton = NEWTON_PRIMAL;
-  coarse->contact.rub.newton = NEWTON_PRIMAL;
-  coarse->tip.resistance.friction.newton = NEWTON_PRIMAL;
-}
-
-/* What the coarse rod's scene has of its own. */
-static void MakeCoarse(Estimate self, const struct _Scene *scene, PetscReal *s) {
-  Scene coarse = self->scene;
-
-  coarse->comm = PETSC_COMM_SELF;
-  TakeSlopes(coarse);
-  coarse->contact.self = (PetscBool)(scene->contact.self && self->touches);
-  coarse->mesh.cells = self->nodes - 1;
-  coarse->mesh.s = s;
-  SceneLinkWalls(coarse);
-}
-
 /* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
-static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
+static PetscErrorCode CreateCoarse(Estimate self) {
   const PetscInt n = self->nodes * self->fields;
-  PetscReal *s;
-  Scene coarse;
 
   PetscFunctionBegin;
-  PetscCall(SceneShare(scene, &self->scene));
-  coarse = self->scene;
-  PetscCall(PetscMalloc1(self->nodes, &s));
-  for (PetscInt k = 0; k < self->nodes; k++) s[k] = scene->mesh.s[FineNode(self, k)];
-  MakeCoarse(self, scene, s);
-  PetscCall(RodCreate(coarse, self->model, &self->rod));
+  PetscCall(RodCoarsen(self->leg->rod, self->nodes, self->stride, self->touches, &self->rod));
   if (self->rod->coupled)
     PetscCall(CreateMatrix(self));
   else
@@ -177,12 +150,7 @@ static PetscErrorCode CreateCoarse(Estimate self, const Scene scene) {
    is now. self NULL: none are. */
 PetscErrorCode EstimateSceneChanged(Estimate self) {
   PetscFunctionBegin;
-  if (self && self->scene) {
-    PetscReal *const s = self->scene->mesh.s;
-    *self->scene = *self->leg->rod->scene;
-    MakeCoarse(self, self->leg->rod->scene, s);
-    self->scene->contact.time = PETSC_MIN_REAL;
-  }
+  if (self && self->rod) RodCoarseTake(self->rod, self->leg->rod, self->touches);
   PetscFunctionReturn(0);
 }
 
@@ -200,10 +168,7 @@ static PetscErrorCode DestroyCoarse(Estimate self) {
   PetscCall(EliminationDestroy(&self->elimination));
   PetscCall(KSPDestroy(&self->ksp));
   PetscCall(MatDestroy(&self->J));
-  PetscCall(RodDestroy(&self->rod));
-  if (!self->scene) PetscFunctionReturn(0);
-  PetscCall(PetscFree(self->scene->mesh.s));
-  PetscCall(SceneShareEnd(&self->scene));
+  PetscCall(RodCoarseEnd(&self->rod));
   PetscFunctionReturn(0);
 }
 
@@ -216,8 +181,8 @@ static PetscErrorCode ChooseMesh(Estimate self, PetscInt stride) {
   self->stride = stride;
   self->nodes = (rod->last + stride - 1) / stride + 1;
   PetscCall(CreateGathered(self, &self->own));
-  PetscCallMPI(MPI_Comm_rank(rod->scene->comm, &rank));
-  if (!rank) PetscCall(CreateCoarse(self, rod->scene));
+  PetscCallMPI(MPI_Comm_rank(rod->comm, &rank));
+  if (!rank) PetscCall(CreateCoarse(self));
   PetscFunctionReturn(0);
 }
 
@@ -242,7 +207,7 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->followed = leg->rod->learned ? self->fields : self->left;
   self->mirrors = self->model->space ? 2 : 1;
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
-  PetscCall(ChooseMesh(self, Stride(self, leg->rod->scene->reach)));
+  PetscCall(ChooseMesh(self, Stride(self, RodLongest(leg->rod))));
   PetscFunctionReturn(0);
 }
 
@@ -282,7 +247,7 @@ static PetscErrorCode Refine(Estimate self, PetscInt stride) {
   self->until = 0;
   if (here) {
     PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * size, &old));
-    PetscCall(PetscArraycpy(s, self->scene->mesh.s, n));
+    PetscCall(PetscArraycpy(s, self->rod->s, n));
     for (int part = 0; part < ESTIMATE_PARTS; part++)
       PetscCall(PetscArraycpy(old + part * size, self->e[part], size));
     PetscCall(DestroyCoarse(self));
@@ -290,8 +255,7 @@ static PetscErrorCode Refine(Estimate self, PetscInt stride) {
   PetscCall(PetscFree(self->own.u));
   PetscCall(ChooseMesh(self, stride));
   for (int part = 0; part < ESTIMATE_PARTS && here; part++)
-    Interpolate(self->fields, n, s, old + part * size, self->nodes, self->scene->mesh.s,
-                self->e[part]);
+    Interpolate(self->fields, n, s, old + part * size, self->nodes, self->rod->s, self->e[part]);
   PetscCall(PetscFree2(s, old));
   PetscFunctionReturn(0);
 }
@@ -306,7 +270,7 @@ static PetscErrorCode LookAtLayer(Estimate self, PetscReal t) {
   PetscFunctionBegin;
   if (!first && (self->stride == 1 || self->since)) PetscFunctionReturn(0);
   self->touches = PETSC_TRUE;
-  PetscCall(GrowthLength(self->leg->rod->scene->growth, t, &length, NULL));
+  PetscCall(RodLength(self->leg->rod, t, &length));
   stride = Stride(self, length);
   if (first || 2 * stride <= self->stride) PetscCall(Refine(self, stride));
   PetscFunctionReturn(0);
@@ -450,8 +414,8 @@ static PetscErrorCode Gather(Estimate self, const PetscReal across[MIRRORS]) {
     }
   PetscCall(VecRestoreArrayRead(self->leg->U, &u));
   PetscCall(VecRestoreArrayRead(rates, &rate));
-  PetscCallMPI(MPI_Reduce(self->own.u, self->all.u, (PetscMPIInt)count, MPIU_REAL, MPI_SUM, 0,
-                          rod->scene->comm));
+  PetscCallMPI(
+      MPI_Reduce(self->own.u, self->all.u, (PetscMPIInt)count, MPIU_REAL, MPI_SUM, 0, rod->comm));
   PetscFunctionReturn(0);
 }
 
@@ -494,16 +458,6 @@ static PetscErrorCode PutState(Estimate self) {
   PetscCall(VecRestoreArrayWrite(self->U, (PetscScalar **)&u));
   PetscCall(VecRestoreArrayWrite(self->rate, (PetscScalar **)&rate));
   PetscFunctionReturn(0);
-}
-
-/* The law of contact is that of the run, whose mesh it may follow. */
-static void TakeContact(Estimate self) {
-  const Contact *contact = &self->leg->rod->scene->contact;
-
-  self->scene->contact.given = PETSC_TRUE;
-  self->scene->contact.stiffness = contact->stiffness;
-  self->scene->contact.firm = contact->firm;
-  self->scene->contact.time = PETSC_MIN_REAL;
 }
 
 /* F_U + F_U_t shift at the state that is put. */
@@ -552,19 +506,10 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
   PetscFunctionReturn(0);
 }
 
-/* Is all friction viscous, and so as straight in speed as can be? */
-static PetscBool IsViscous(Scene scene) {
-  const Contact *contact = &scene->contact;
-
-  return (PetscBool)(scene->load.friction.mu == 0 && !scene->load.friction.own &&
-                     scene->tip.law != TIP_RESISTANCE && !ContactWallsRub(contact) &&
-                     !(contact->self && contact->friction > 0));
-}
-
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
 static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
-  const PetscReal beta = self->scene->load.friction.beta;
+  const PetscReal beta = RodCoarseGet(self->rod, COARSE_BETA);
   const PetscInt n = self->nodes * self->fields;
   const PetscScalar *F, *G;
   PetscReal *rate, most = 0, fastest = 0, scale;
@@ -573,7 +518,7 @@ static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   PetscCall(PetscArrayzero(self->rhs, n));
   for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(self->b[i]));
   if (most <= rod_rule.vanished) PetscFunctionReturn(0);
-  if (IsViscous(self->scene))
+  if (RodIsViscous(self->rod))
     for (PetscInt i = 0; i < n; i++) fastest = PetscMax(fastest, PetscAbsReal(self->all.rate[i]));
   scale = step_rule.derivative_step *
           PetscMax(fastest, PetscSqrtReal(beta > 0 ? beta : friction_tiny)) / most;
@@ -600,18 +545,16 @@ static void SubtractDefect(Estimate self) {
 }
 
 /* rhs -= by what the residual changes while a number of the scene grows by a part of itself. */
-static PetscErrorCode SubtractChange(Estimate self, PetscReal t, PetscReal *number) {
+static PetscErrorCode SubtractChange(Estimate self, PetscReal t, CoarseNumber number) {
   const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
-  const PetscReal taken = *number;
+  const PetscReal taken = RodCoarseGet(self->rod, number);
   const PetscScalar *F, *G;
 
   PetscFunctionBegin;
   PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
-  *number = (1 + step_rule.derivative_step) * taken;
-  self->scene->contact.time = PETSC_MIN_REAL;
+  (void)RodCoarseSet(self->rod, number, (1 + step_rule.derivative_step) * taken);
   PetscCall(self->model->residual(self->rod, &at, self->G));
-  *number = taken;
-  self->scene->contact.time = PETSC_MIN_REAL;
+  (void)RodCoarseSet(self->rod, number, taken);
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
   for (PetscInt i = 0; i < self->nodes * self->fields; i++)
@@ -623,7 +566,7 @@ static PetscErrorCode SubtractChange(Estimate self, PetscReal t, PetscReal *numb
 
 /* Is there anything of this kind that errs? */
 static PetscBool Errs(const Estimate self, int part) {
-  if (part == ESTIMATE_LIMIT) return self->scene->load.limit;
+  if (part == ESTIMATE_LIMIT) return RodIsLimit(self->rod);
   return (PetscBool)(part != ESTIMATE_SOFT || self->touches);
 }
 
@@ -632,25 +575,18 @@ static PetscBool Errs(const Estimate self, int part) {
 static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
   PetscFunctionBegin;
   if (part == ESTIMATE_SPACE) SubtractDefect(self);
-  if (part == ESTIMATE_LIMIT) PetscCall(SubtractChange(self, t, &self->scene->load.friction.beta));
-  if (part == ESTIMATE_SOFT) PetscCall(SubtractChange(self, t, &self->scene->contact.stiffness));
+  if (part == ESTIMATE_LIMIT) PetscCall(SubtractChange(self, t, COARSE_BETA));
+  if (part == ESTIMATE_SOFT) PetscCall(SubtractChange(self, t, COARSE_STIFFNESS));
   PetscFunctionReturn(0);
-}
-
-static PetscReal SteeredTo(const Estimate self) {
-  const Curvature *curvature = &self->scene->curvature;
-
-  if (!curvature->steered) return 0;
-  return PetscMax(CurvatureSteered(curvature, BEND_2), CurvatureSteered(curvature, BEND_3));
 }
 
 /* What an error makes of |x2|, and of |x3| in space, over the larger one; none: the rod is
    straight. */
 static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal *e) {
-  const PetscReal *s = self->scene->mesh.s, *u = self->all.u;
+  const PetscReal *s = self->rod->s, *u = self->all.u;
   const PetscInt last = self->nodes - 1, fields = self->fields;
-  const PetscReal least =
-      PetscMax(rod_rule.vanished, step_rule.steering_at_first * SteeredTo(self) * length * length);
+  const PetscReal least = PetscMax(
+      rod_rule.vanished, step_rule.steering_at_first * RodSteeredTo(self->rod) * length * length);
   PetscReal norm[MIRRORS] = {0}, by[MIRRORS] = {0}, size = least, most, off = 0;
 
   for (PetscInt k = 0; k <= last; k++)
@@ -673,7 +609,7 @@ static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal 
 /* What an error makes of the energy: change, and seen, over it; none: there is none. */
 static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscReal *e,
                                 PetscReal *seen, PetscReal *change) {
-  const PetscReal *s = self->scene->mesh.s;
+  const PetscReal *s = self->rod->s;
   const PetscInt last = self->nodes - 1, fields = self->fields,
                  moments = self->model->space ? 3 : 1;
   PetscReal energy = 0, by = 0, size = rod_rule.vanished, length;
@@ -684,22 +620,19 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
     for (PetscInt d = 0; d < moments; d++)
       size = PetscMax(size, PetscAbsReal(self->all.u[k * fields + self->left + d]));
   for (PetscInt k = 0; k <= last; k++) {
-    PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2, g, B, S[3], m[3], dm[3];
-    PetscCall(GrowthStretch(self->scene->growth, 1, &s[k], t, &g, NULL, NULL));
-    PetscCall(SceneStiffness(self->scene, s[k], t, &B, NULL));
-    S[0] = B;
-    if (self->model->space) SceneStiffnesses(self->scene, B, S);
+    PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2, g, S[3], m[3], dm[3];
+    PetscCall(RodStiffnessAt(self->rod, k, t, &g, S));
     self->model->moments(self->all.u + k * fields, e + k * fields, m, dm);
     for (PetscInt d = 0; d < moments; d++) {
       energy += w * g / S[d] * PetscSqr(m[d] / size);
       by += 2 * w * g / S[d] * (m[d] / size) * (dm[d] / size);
     }
   }
-  PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
+  PetscCall(RodLength(self->rod, t, &length));
   if (size == rod_rule.vanished ||
       energy / 2 * size * size <
-          PetscMax(CurvatureRounding(&self->scene->curvature, length),
-                   step_rule.steering_at_first * PetscSqr(SteeredTo(self)) * length)) {
+          PetscMax(RodRounding(self->rod, length),
+                   step_rule.steering_at_first * PetscSqr(RodSteeredTo(self->rod)) * length)) {
     *seen = unknown;
     PetscFunctionReturn(0);
   }
@@ -715,7 +648,7 @@ static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
   PetscReal off = 0, distance = 0, length;
 
   PetscFunctionBegin;
-  PetscCall(GrowthLength(self->scene->growth, t, &length, NULL));
+  PetscCall(RodLength(self->rod, t, &length));
   for (PetscInt d = 0; d <= self->mirrors; d++) {
     off = hypot(off, e[tip + d]);
     change[RIGID_TIP + d] = e[tip + d];
@@ -729,8 +662,7 @@ static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
 
 /* EstimateIsEarly - is an error of this kind at t one of a start, which does not count? */
 PetscBool EstimateIsEarly(Estimate self, PetscReal t, int k) {
-  return (PetscBool)(t - self->began[k] <=
-                     step_rule.estimate_early * self->leg->rod->scene->end_time);
+  return (PetscBool)(t - self->began[k] <= step_rule.estimate_early * RodEndTime(self->leg->rod));
 }
 
 /* Beyond 1 an error is no small one any more, and the linear equations say nothing. What was seen
@@ -886,19 +818,14 @@ static PetscErrorCode StepWhatGrows(Estimate self, PetscReal t, const PetscReal 
 
 /* From before to t. */
 static PetscErrorCode Advance(Estimate self, PetscReal t) {
-  const Friction *law = &self->leg->rod->scene->load.friction;
   PetscReal size[MIRRORS], rate[MIRRORS], ratio[GROUPS];
 
   PetscFunctionBegin;
   Sizes(self, size, rate);
   Ratios(size, self->size, ratio);
   PetscCall(PetscArraycpy(self->size, size, MIRRORS));
-  self->scene->load.friction.mu = law->mu; /* a snap may change it */
-  self->scene->load.friction.viscous = law->viscous;
-  self->scene->load.friction.least = law->least;
-  SceneAtSpeed(self->scene, self->leg->rod->scene->falls);
+  RodCoarseFollow(self->rod, self->leg->rod);
   PetscCall(PutState(self));
-  TakeContact(self);
   PetscCall(StepWhatGrows(self, t, rate, ratio));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     if (Errs(self, part)) PetscCall(Keep(self, t, part));
@@ -942,7 +869,7 @@ static PetscErrorCode LookForKink(Estimate self, PetscReal *times_error) {
 static PetscBool Waits(const Estimate self, PetscReal t, const PetscReal size[MAX_FIELDS]) {
   return (PetscBool)(self->since < step_rule.estimate_every && !self->watch &&
                      (self->touches || Angle(self, size) < step_rule.estimate_straight) &&
-                     t < self->leg->rod->scene->end_time);
+                     t < RodEndTime(self->leg->rod));
 }
 
 /* What rank 0 has found of the latest state, to all. */
@@ -954,7 +881,7 @@ static PetscErrorCode Share(Estimate self) {
   PetscCall(PetscArraycpy(at += ESTIMATE_PARTS * ESTIMATE_SEEN, self->began, ESTIMATE_SEEN));
   PetscCall(PetscArraycpy(at += ESTIMATE_SEEN, self->rigid, RIGID_VALUES));
   PetscCallMPI(MPI_Bcast(all, (PetscMPIInt)PETSC_STATIC_ARRAY_LENGTH(all), MPIU_REAL, 0,
-                         self->leg->rod->scene->comm));
+                         self->leg->rod->comm));
   PetscCall(PetscArraycpy(self->now[0], at = all, ESTIMATE_PARTS * ESTIMATE_SEEN));
   PetscCall(PetscArraycpy(self->began, at += ESTIMATE_PARTS * ESTIMATE_SEEN, ESTIMATE_SEEN));
   PetscCall(PetscArraycpy(self->rigid, at += ESTIMATE_SEEN, RIGID_VALUES));
@@ -997,7 +924,7 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
    not got far, those of its start. Collective. */
 PetscErrorCode EstimateTold(Estimate self, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
   const PetscMPIInt n = ESTIMATE_PARTS * ESTIMATE_SEEN;
-  const MPI_Comm comm = self->leg->rod->scene->comm;
+  const MPI_Comm comm = self->leg->rod->comm;
 
   PetscFunctionBegin;
   PetscCall(EstimateGet(self, told));
@@ -1024,7 +951,7 @@ PetscErrorCode EstimateGet(Estimate self, PetscReal worst[ESTIMATE_PARTS][ESTIMA
   const PetscMPIInt n = ESTIMATE_PARTS * ESTIMATE_SEEN;
 
   PetscFunctionBegin;
-  PetscCallMPI(MPI_Bcast(self->worst, n, MPIU_REAL, 0, self->leg->rod->scene->comm));
+  PetscCallMPI(MPI_Bcast(self->worst, n, MPIU_REAL, 0, self->leg->rod->comm));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     PetscCall(PetscArraycpy(worst[part], self->worst[part], ESTIMATE_SEEN));
   PetscFunctionReturn(0);
@@ -1048,14 +975,14 @@ PetscErrorCode EstimateSet(Estimate self, PetscReal t,
 static PetscErrorCode Spread(Estimate self, PetscInt width, const PetscReal *coarse, Vec V) {
   const PetscInt fields = self->fields, count = self->nodes * width;
   const Rod rod = self->leg->rod;
-  const PetscReal *s = rod->scene->mesh.s;
+  const PetscReal *s = rod->s;
   PetscScalar *v;
   PetscReal *c;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(count, &c));
   if (self->rod) PetscCall(PetscArraycpy(c, coarse, count));
-  PetscCallMPI(MPI_Bcast(c, (PetscMPIInt)count, MPIU_REAL, 0, rod->scene->comm));
+  PetscCallMPI(MPI_Bcast(c, (PetscMPIInt)count, MPIU_REAL, 0, rod->comm));
   PetscCall(VecSet(V, 0));
   PetscCall(VecGetArray(V, &v));
   for (PetscInt i = rod->first; i < rod->end; i++) {
@@ -1130,7 +1057,7 @@ PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
   const PetscInt followed = self->followed, count = self->nodes * followed,
                  whole = self->nodes * self->fields;
   PetscReal *number[ESTIMATE_NUMBERS], *own, *all;
-  MPI_Comm comm = self->leg->rod->scene->comm;
+  MPI_Comm comm = self->leg->rod->comm;
 
   PetscFunctionBegin;
   memory[0] = self->touches ? (PetscReal)self->stride : 0;

@@ -17,6 +17,7 @@
   differ by p alone: no law needs to know its derivative by each of its numbers.
 */
 #include "stepping/tangent.h"
+#include "rod/ask.h"
 #include "base/compat.h"
 #include "rod/learned.h"
 #include "stepping/vbdf.h"
@@ -124,16 +125,12 @@ static PetscErrorCode Sum(const Tangents self, PetscInt n, Vec point[],
    Friction has its own slope there, not the one that Newton's method is better off with. */
 static PetscErrorCode Linearise(Tangents self, PetscReal t, PetscReal shift) {
   Leg *leg = self->leg;
-  Friction *law[2] = {&leg->rod->scene->load.friction, &leg->rod->scene->tip.resistance.friction};
-  FrictionNewton newton[2];
+  FrictionNewton slope[2] = {NEWTON_PRIMAL, NEWTON_PRIMAL};
   RodState beside;
   Mat J, P;
 
   PetscFunctionBegin;
-  for (int k = 0; k < 2; k++) {
-    newton[k] = law[k]->newton;
-    law[k]->newton = NEWTON_PRIMAL;
-  }
+  RodSwapSlopes(leg->rod, slope);
   PetscCall(VBDFGetFactorRate(leg->ts, leg->newton.factor_rate));
   beside = (RodState){.t = t, .U = leg->U, .U_t = leg->newton.latest.U_t, .fresh = PETSC_TRUE};
   for (PetscInt f = 0; f < leg->rod->model->fields; f++)
@@ -143,7 +140,7 @@ static PetscErrorCode Linearise(Tangents self, PetscReal t, PetscReal shift) {
   PetscCall(TSGetIJacobian(leg->ts, &J, &P, NULL, NULL));
   leg->newton.fresh = PETSC_TRUE;
   PetscCall(TSComputeIJacobian(leg->ts, t, leg->U, beside.U_t, shift, J, P, PETSC_FALSE));
-  for (int k = 0; k < 2; k++) law[k]->newton = newton[k];
+  RodSwapSlopes(leg->rod, slope);
   PetscFunctionReturn(0);
 }
 

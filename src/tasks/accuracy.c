@@ -163,8 +163,8 @@ PetscReal AccuracyTimes(int part) {
 
 /*
   AccuracyMeasured - from the errors that were followed (stepping/estimate.c), of a state or the
-  largest of a run, an upper estimate of their parts, of what is seen and of all: they are off by a
-  factor of 2 or 3, as a rule.
+  largest of a run, an upper estimate of their parts and of what is seen: they are off by a factor
+  of 2 or 3, as a rule. (Of all of it the caller says: all is left as it is.)
 
   least   of the steps: none of them is without an error
   beside  what comes on top of them
@@ -172,7 +172,6 @@ PetscReal AccuracyTimes(int part) {
 void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
                       PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
                       Errors *error) {
-  error->all = beside;
   for (int i = 0; i < ESTIMATE_SEEN; i++) error->seen[i] = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) {
     error->part[k] = 0;
@@ -182,7 +181,6 @@ void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
       error->seen[i] += here;
       error->part[k] = PetscMax(error->part[k], here);
     }
-    error->all += error->part[k];
   }
 }
 

@@ -92,7 +92,7 @@ static PetscBool IsThin(const Grow *self, PetscReal t) {
   const Mesh *mesh = &self->scene->mesh;
   PetscReal longest = 0, width;
 
-  if (!self->gave_way || t > grow_rule.layer_run * self->scene->end_time) return PETSC_FALSE;
+  if (!self->kept.gave_way || t > grow_rule.layer_run * self->scene->end_time) return PETSC_FALSE;
   for (PetscInt i = 0; i < mesh->cells; i++)
     longest = PetscMax(longest, mesh->s[i + 1] - mesh->s[i]);
   width = grow_rule.layer_cells * longest * self->scene->growth->initial_length;
@@ -117,8 +117,8 @@ static PetscErrorCode GetOn(Grow *self) {
 
   PetscFunctionBegin;
   PetscCall(LegSpeed(self->now, &speed, &begins));
-  self->way += self->seen.step * (1 + speed / grow_rule.motion_counts);
-  self->snaps += begins;
+  self->kept.way += self->seen.step * (1 + speed / grow_rule.motion_counts);
+  self->kept.snaps += begins;
   if (begins && !self->scene->load.shared) (void)LoadShareMore(&self->scene->load);
   PetscFunctionReturn(0);
 }
@@ -128,8 +128,8 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
   PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN];
 
   PetscFunctionBegin;
-  PetscCall(EstimateStep(self->estimate, jumped, self->pressed));
-  if (!self->estimate || self->now->ease.most <= 1 || !self->pressed) PetscFunctionReturn(0);
+  PetscCall(EstimateStep(self->estimate, jumped, self->kept.pressed));
+  if (!self->estimate || self->now->ease.most <= 1 || !self->kept.pressed) PetscFunctionReturn(0);
   EstimateLatest(self->estimate, part, NULL);
   ToleranceFollow(self->rtol, (const PetscReal(*)[ESTIMATE_SEEN])part, &self->now->ease);
   PetscFunctionReturn(0);
@@ -138,7 +138,7 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
 /* GrowObserve - measures the state at a time, and follows what is followed; U NULL: as it begins.
    Collective. */
 PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
-  PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->folds;
+  PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->kept.folds;
   PetscInt iterations = 0, jumps = 0;
   PetscBool jumped = PETSC_FALSE, layered, broken;
   Observation last = self->seen;
@@ -149,16 +149,16 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
     PetscCall(CountIterations(self, &iterations));
     PetscCall(VBDFGetJumps(self->now->ts, &jumps));
     jumped = (PetscBool)(jumps > self->now->jumps);
-    if (jumped && layered) self->gave_way = PETSC_TRUE;
+    if (jumped && layered) self->kept.gave_way = PETSC_TRUE;
     broken =
-        (PetscBool)(jumped || self->changed ||
+        (PetscBool)(jumped || self->kept.changed ||
                     LedRoundCorner(self->scene, (PetscBool)(last.contact_force > 0), before, t));
     if (broken || IsThin(self, before) || (layered && before == 0))
       ObserverClose(self->observer, &last, broken);
-    self->changed = PETSC_FALSE;
+    self->kept.changed = PETSC_FALSE;
     if (self->now == &self->leg[GrowWholeModel(self)]) PetscCall(FollowErrors(self, jumped));
     self->now->jumps = jumps;
-    if (jumped && !layered) self->snaps++;
+    if (jumped && !layered) self->kept.snaps++;
   }
   if (self->by_steps) PetscCall(ObserverGetBalance(self->observer, self->balance));
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
@@ -166,14 +166,14 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
   self->force_before = GrowBaseForce(&last);
   if (jumped) GrowCross(self, &last, before, layered);
   if (norm > rod_rule.vanished && self->seen.norm_x2 > rod_rule.vanished)
-    self->folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
+    self->kept.folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
   if (norm > rod_rule.vanished && self->seen.norm_x2 <= rod_rule.vanished)
-    self->vanished = PETSC_TRUE;
+    self->kept.vanished = PETSC_TRUE;
   PetscCall(GrowNeglect(self, U_t));
-  GrowWeigh(self, &last, self->folds - folds);
-  self->depth = PetscMax(self->depth, self->seen.penetration);
-  self->off = PetscMax(self->off, -self->seen.penetration);
-  if (self->seen.contact_force > 0) self->pressed = PETSC_TRUE;
+  GrowWeigh(self, &last, self->kept.folds - folds);
+  self->kept.depth = PetscMax(self->kept.depth, self->seen.penetration);
+  self->kept.off = PetscMax(self->kept.off, -self->seen.penetration);
+  if (self->seen.contact_force > 0) self->kept.pressed = PETSC_TRUE;
   self->seen.step = t - before;
   self->seen.newton_iterations = iterations;
   self->seen.model = self->now - self->leg;
@@ -236,7 +236,7 @@ static PetscErrorCode TakeStep(Grow *self, TS ts) {
   if (self->event.kind) PetscCall(VecCopy(U, self->now->U)); /* the run ends there */
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&here[k]));
   PetscCall(LegCrosses(self->now, U, &crosses));
-  self->blind += crosses;
+  self->kept.blind += crosses;
   PetscCall(GrowShared(self, t));
   PetscCall(GrowProgress(self, PETSC_FALSE));
   PetscCall(Agree(self, &store));
@@ -354,23 +354,40 @@ PetscErrorCode GrowStep(Grow *self, PetscReal until) {
   PetscFunctionReturn(0);
 }
 
+/*
+  GrowWithin - the state and its rate at a time within the latest step, or within the one that
+  waits: by the stepper's dense output. Collective.
+
+  V      made here: the caller destroys them
+  begin  of that step; may be NULL
+*/
+PetscErrorCode GrowWithin(Grow *self, PetscReal t, Vec V[2], PetscReal *begin) {
+  PetscReal end = self->seen.t, h = self->seen.step;
+
+  PetscFunctionBegin;
+  if (self->waits) {
+    PetscCall(TSGetTime(self->now->ts, &end));
+    h = end - self->seen.t;
+  }
+  for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(self->now->U, &V[k]));
+  PetscCall(LegInterpolate(self->now, t, end, h, V[0], V[1]));
+  if (begin) *begin = end - h;
+  PetscFunctionReturn(0);
+}
+
 /* GrowSettle - a run by steps goes on from a time within the step that waits, as if that had ended
    there: with what the dense output has. Collective. */
 PetscErrorCode GrowSettle(Grow *self, PetscReal t) {
-  TS ts = self->now->ts;
   Vec V[2];
-  PetscReal end;
 
   PetscFunctionBegin;
   if (!self->waits) PetscFunctionReturn(0);
+  PetscCall(GrowWithin(self, t, V, NULL));
   self->waits = PETSC_FALSE;
-  PetscCall(TSGetTime(ts, &end));
-  for (int k = 0; k < 2; k++) PetscCall(VecDuplicate(self->now->U, &V[k]));
-  PetscCall(LegInterpolate(self->now, t, end, end - self->seen.t, V[0], V[1]));
   PetscCall(GrowObserve(self, t, V[0], V[1]));
   PetscCall(StoreDueShapes(self, t, V[0]));
   PetscCall(VecCopy(V[0], self->now->U));
-  PetscCall(TSSetTime(ts, t));
+  PetscCall(TSSetTime(self->now->ts, t));
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
   PetscFunctionReturn(0);
 }
@@ -387,7 +404,7 @@ PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
     }
   PetscCall(GrowFindEnd(self));
   if (!acts) PetscFunctionReturn(0);
-  self->changed = PETSC_TRUE;
+  self->kept.changed = PETSC_TRUE;
   self->can[LINEAR] = (PetscBool)(self->can[LINEAR] && self->model == LINEAR);
   if (self->now != &self->leg[GrowBetterModel(self)]) {
     PetscCall(GrowHandOver(self, &self->leg[GrowBetterModel(self)]));

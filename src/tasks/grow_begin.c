@@ -160,17 +160,18 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscCall(RestartTake(restart, state, self->now));
   PetscCall(ObserverSetBalance(self->observer, state->balance));
   PetscCall(RestartTakeErrors(restart, state, self->estimate));
-  GrowTakeErrors(self, state->beside);
-  GrowTakeStuck(self, state->stuck);
-  if (state->falls > 0) SceneAtSpeed(self->scene, state->falls);
+  if (state->laws.falls > 0) SceneAtSpeed(self->scene, state->laws.falls);
   PetscCall(PetscArraycpy(self->counted, state->counted, 2));
-  self->folds = state->folds;
+  self->kept = state->kept;
+  self->crawl.way = state->kept.crawl_way;
+  self->crawl.half = state->kept.crawl_half;
+  self->crawl.steps = (PetscInt)state->kept.crawl_steps;
+  self->crawl.at = state->kept.crawl_at;
   self->seen = state->seen;
-  self->began = state->began;
-  self->neglected = state->neglected;
-  self->shared = state->shared; /* it has been said */
-  self->changed = (PetscBool)(state->points == 1 &&
-                              state->step <= 2 * grow_rule.again_step * self->scene->end_time);
+  self->shared = state->laws.shared; /* it has been said */
+  if (state->kept.changed < 0)
+    self->kept.changed =
+        state->points == 1 && state->step <= 2 * grow_rule.again_step * self->scene->end_time;
   self->seen.t = self->start = self->stored_shape = state->t;
   PetscCall(GrowLookForEvent(self, state->t, self->now->U, &event));
   UserCheck(!event.kind, self->scene->comm,

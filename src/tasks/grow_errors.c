@@ -52,72 +52,24 @@ static PetscReal Crossed(const Observation *from, const Observation *to) {
 */
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered) {
   if (layered) {
-    if (!self->layered) self->began = *last;
-    self->layered = PETSC_TRUE;
-    if (IsFar(&self->began, &self->seen)) self->crossed = 1;
+    if (!self->kept.layered) self->kept.began = *last;
+    self->kept.layered = PETSC_TRUE;
+    if (IsFar(&self->kept.began, &self->seen)) self->kept.crossed = 1;
   } else if (before <= self->seen.t / 2) {
-    self->crossings++;
-    self->crossed += Crossed(last, &self->seen);
+    self->kept.crossings++;
+    self->kept.crossed += Crossed(last, &self->seen);
   }
-}
-
-/* GrowKeepErrors - for a restart: what the errors beside those that are followed come from. */
-void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]) {
-  kept[0] = (PetscReal)self->snaps;
-  kept[1] = (PetscReal)self->crossings;
-  kept[2] = self->crossed;
-  kept[3] = self->vanished ? 1 : 0;
-  kept[4] = self->depth;
-  kept[5] = self->energy_folds;
-  kept[6] = self->weighed;
-  kept[7] = self->gave_way ? 1 : 0;
-  kept[8] = self->pressed ? 1 : 0;
-  kept[9] = (PetscReal)self->blind;
-  kept[10] = self->layered ? 1 : 0;
-  kept[11] = self->event_at;
-  kept[12] = self->event_is;
-  kept[RESTART_BESIDE - 1] = self->off;
-  for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    kept[13 + 3 * k] = self->largest[k];
-    kept[14 + 3 * k] = self->error.when[k];
-    kept[15 + 3 * k] = self->error.why[k];
-  }
-  memcpy(&kept[13 + 3 * ESTIMATE_SEEN], &self->astray, sizeof(self->astray));
-}
-
-/* GrowTakeErrors - goes on with that. */
-void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]) {
-  self->snaps = (PetscInt)kept[0];
-  self->crossings = (PetscInt)kept[1];
-  self->crossed = kept[2];
-  self->vanished = (PetscBool)(kept[3] != 0);
-  self->depth = kept[4];
-  self->energy_folds = kept[5];
-  self->weighed = kept[6];
-  self->gave_way = (PetscBool)(kept[7] != 0);
-  self->pressed = (PetscBool)(kept[8] != 0);
-  self->blind = (PetscInt)kept[9];
-  self->layered = (PetscBool)(kept[10] != 0);
-  self->event_at = kept[11];
-  self->event_is = (int)kept[12];
-  self->off = kept[RESTART_BESIDE - 1];
-  for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    self->largest[k] = kept[13 + 3 * k];
-    self->error.when[k] = kept[14 + 3 * k];
-    self->error.why[k] = (int)kept[15 + 3 * k];
-  }
-  memcpy(&self->astray, &kept[13 + 3 * ESTIMATE_SEEN], sizeof(self->astray));
 }
 
 /* What comes beside the errors of mesh and steps, in each of what is seen. */
 static PetscReal Beside(const Grow *self) {
   const Load *load = &self->scene->load;
-  PetscReal error = self->neglected + self->crossed;
+  PetscReal error = self->kept.neglected + self->kept.crossed;
 
   if (load->shared) error += grow_rule.share_error * load->friction.viscous;
-  if (!load->shared && self->snaps > self->crossings)
+  if (!load->shared && self->kept.snaps > self->kept.crossings)
     error += grow_rule.share_error_of_jump * load->friction.least * self->scene->units.speed;
-  return self->vanished ? error + 1 : error;
+  return self->kept.vanished ? error + 1 : error;
 }
 
 /* What the steps leave at least: each field is followed to the tolerance of its own size, and the
@@ -156,8 +108,9 @@ static int Happens(const Grow *self, const Observation *last, PetscBool jumped) 
 static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], int k) {
   int most = 0;
 
-  if (self->event_is && self->seen.t - self->event_at <= grow_rule.reason_within * self->seen.t)
-    return self->event_is;
+  if (self->kept.event_is &&
+      self->seen.t - self->kept.event_at <= grow_rule.reason_within * self->seen.t)
+    return (int)self->kept.event_is;
   for (int i = 1; i < ESTIMATE_PARTS; i++)
     if (AccuracyTimes(i) * part[i][k] > AccuracyTimes(most) * part[most][k]) most = i;
   return most;
@@ -172,10 +125,10 @@ static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
 */
 static void LookForSide(Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN],
                         const PetscReal off[ESTIMATE_SEEN], PetscBool happens) {
-  Astray *astray = &self->astray;
+  Astray *astray = &self->kept.astray;
   const PetscReal t = self->seen.t;
   const PetscBool explained =
-      (PetscBool)(self->event_is && t - self->event_at <= grow_rule.reason_within * t);
+      (PetscBool)(self->kept.event_is && t - self->kept.event_at <= grow_rule.reason_within * t);
 
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     const PetscBool goes =
@@ -205,7 +158,7 @@ static void Latest(const Grow *self, PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEE
   EstimateLatest(self->estimate, part, change);
   for (int i = 0; i < ESTIMATE_PARTS; i++)
     for (int k = 0; k < ESTIMATE_SEEN; k++)
-      part[i][k] = PetscMax(part[i][k], self->astray.part[i][k]);
+      part[i][k] = PetscMax(part[i][k], self->kept.astray.part[i][k]);
 }
 
 /*
@@ -222,8 +175,8 @@ void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
 
   if (!GrowFollowsErrors(self) || t == 0) return;
   happens = Happens(self, last, jumped);
-  if (happens) self->event_at = t;
-  if (happens) self->event_is = happens;
+  if (happens) self->kept.event_at = t;
+  if (happens) self->kept.event_is = happens;
   Least(self, least);
   EstimateLatest(self->estimate, part, NULL);
   AccuracyMeasured(least, part, Beside(self), &error->end);
@@ -234,24 +187,20 @@ void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
   self->seen.error_norm_x2 = error->end.seen[ESTIMATE_NORM];
   self->seen.error_energy = error->end.seen[ESTIMATE_ENERGY];
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    if (happens && error->why[k] < ESTIMATE_PARTS &&
-        t - error->when[k] <= grow_rule.reason_within * t)
-      error->why[k] = happens;
-    if (EstimateIsEarly(self->estimate, t, k) || error->end.seen[k] <= self->largest[k]) continue;
-    self->largest[k] = error->end.seen[k];
-    error->when[k] = t;
-    error->why[k] = Reason(self, part, k);
+    WorstError *worst = &self->kept.worst[k];
+    if (happens && worst->why < ESTIMATE_PARTS && t - worst->at <= grow_rule.reason_within * t)
+      worst->why = happens;
+    if (EstimateIsEarly(self->estimate, t, k) || error->end.seen[k] <= worst->error) continue;
+    *worst = (WorstError){error->end.seen[k], t, Reason(self, part, k)};
   }
 }
 
 /* Where the tip would be, and what the energy, in rigid contact, to first order. */
 static void Rigid(const Grow *self, const PetscReal change[RIGID_VALUES],
                   PetscReal rigid[RIGID_VALUES]) {
-  const PetscReal alpha = self->scene->clamp_angle, c = PetscCosReal(alpha),
-                  s = PetscSinReal(alpha);
-  PetscReal off[3] = {c * change[0] - s * change[1], s * change[0] + c * change[1], 0};
+  PetscReal off[3];
 
-  if (self->scene->space.rod) SpaceToLab(&self->scene->space, change + RIGID_TIP, off);
+  SceneToLab(self->scene, change + RIGID_TIP, off);
   rigid[RIGID_TIP] = self->seen.tip_x1 + grow_rule.to_rigid * off[0];
   rigid[RIGID_TIP + 1] = self->seen.tip_x2 + grow_rule.to_rigid * off[1];
   rigid[RIGID_TIP + 2] = self->seen.tip_x3 + grow_rule.to_rigid * off[2];
@@ -268,17 +217,20 @@ static PetscErrorCode Measure(Grow *self) {
   Least(self, least);
   PetscCall(EstimateTold(self->estimate, part));
   AccuracyMeasured(least, part, Beside(self), &error->most);
-  error->most.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    if (self->largest[k] > 0) error->most.seen[k] = self->largest[k];
-    error->most.all = PetscMax(error->most.all, error->most.seen[k]);
+    const WorstError *worst = &self->kept.worst[k];
+    if (worst->error > 0) error->most.seen[k] = worst->error;
+    error->when[k] = worst->at;
+    error->why[k] = (int)worst->why;
   }
   Latest(self, part, change);
   AccuracyMeasured(least, part, Beside(self), &error->end);
-  error->end.all = 0;
-  for (int k = 0; k < ESTIMATE_SEEN; k++)
+  error->most.all = error->end.all = 0;
+  for (int k = 0; k < ESTIMATE_SEEN; k++) {
+    error->most.all = PetscMax(error->most.all, error->most.seen[k]);
     error->end.all = PetscMax(error->end.all, error->end.seen[k]);
-  error->pressed = self->pressed;
+  }
+  error->pressed = self->kept.pressed;
   Rigid(self, change, error->rigid);
   PetscFunctionReturn(0);
 }
@@ -304,13 +256,16 @@ PetscErrorCode GrowErrors(Grow *self) {
   }
   if (self->estimate) PetscCall(EstimateTold(self->estimate, worst));
   PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
-                             PetscMax(self->folds, self->energy_folds / 2), self->weighed,
-                             (PetscBool)(self->energy_folds > 0), &fitted));
+                             PetscMax(self->kept.folds, self->kept.energy_folds / 2),
+                             self->kept.weighed, (PetscBool)(self->kept.energy_folds > 0),
+                             &fitted));
   beside += fitted;
   if (load->limit && !self->estimate)
     beside += grow_rule.beta_error * PetscPowReal(load->friction.beta, 1. / 6);
   Least(self, least);
   AccuracyMeasured(least, worst, beside, &self->error.most);
+  self->error.most.all = beside;
+  for (int k = 0; k < ESTIMATE_PARTS; k++) self->error.most.all += self->error.most.part[k];
   self->error.end = self->error.most;
   PetscFunctionReturn(0);
 }

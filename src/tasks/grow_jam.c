@@ -28,13 +28,13 @@ PetscBool GrowIsJammed(Grow *self) {
   const Observation *seen = &self->seen;
 
   if (!contact->any || seen->contacts == 0 ||
-      self->way > self->window + grow_rule.jam_progress * seen->length) {
-    self->window = self->way;
-    self->window_steps = 0;
+      self->kept.way > self->kept.window + grow_rule.jam_progress * seen->length) {
+    self->kept.window = self->kept.way;
+    self->kept.window_steps = 0;
   } else
-    self->window_steps++;
+    self->kept.window_steps++;
   if (!contact->any || !GrowPressedHard(self)) return PETSC_FALSE;
-  return (PetscBool)(self->window_steps >= grow_rule.jam_steps || PressedDeep(contact, seen));
+  return (PetscBool)(self->kept.window_steps >= grow_rule.jam_steps || PressedDeep(contact, seen));
 }
 
 /*
@@ -43,16 +43,16 @@ PetscBool GrowIsJammed(Grow *self) {
 */
 PetscBool GrowSlips(Grow *self) {
   if (!LoadMaySlip(&self->scene->load) ||
-      self->way > self->slips_at + grow_rule.slip_progress * self->scene->end_time) {
-    self->slips_at = self->way;
-    self->slips_steps = 0;
+      self->kept.way > self->kept.slips_at + grow_rule.slip_progress * self->scene->end_time) {
+    self->kept.slips_at = self->kept.way;
+    self->kept.slips_steps = 0;
   } else
-    self->slips_steps++;
-  if (self->slips_steps < (LoadSharesMost(&self->scene->load)
-                               ? grow_rule.slip_at_last * grow_rule.slip_steps
-                               : grow_rule.slip_steps))
+    self->kept.slips_steps++;
+  if (self->kept.slips_steps < (LoadSharesMost(&self->scene->load)
+                                    ? grow_rule.slip_at_last * grow_rule.slip_steps
+                                    : grow_rule.slip_steps))
     return PETSC_FALSE;
-  self->slips_steps = 0;
+  self->kept.slips_steps = 0;
   return PETSC_TRUE;
 }
 
@@ -75,7 +75,7 @@ PetscBool GrowHeldTwice(const Grow *self) {
 PetscBool GrowCrawls(Grow *self) {
   if (self->seen.t >= self->scene->end_time) return PETSC_FALSE;
   self->crawl.counts = (PetscBool)(GotFirm(&self->scene->contact) || RubsOnWalls(self));
-  return (PetscBool)(CrawlStep(&self->crawl, self->seen.t, self->way,
+  return (PetscBool)(CrawlStep(&self->crawl, self->seen.t, self->kept.way,
                                grow_rule.crawl_part * PetscMin(self->seen.length, self->end),
                                (PetscInt)self->seen.newton_iterations) &&
                      !self->crawl.allowed);
@@ -88,32 +88,6 @@ PetscBool GrowFindsNoWay(const Grow *self) {
   return (PetscBool)(!self->stopped && self->start == 0 && GotFirm(&self->scene->contact) &&
                      !(self->scene->changes && self->scene->changes->done) &&
                      (self->crawls || (self->reason < 0 && !GrowPressedHard(self))));
-}
-
-/* GrowKeepStuck - for a restart: since when the run has got nowhere, and in how many steps. */
-void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]) {
-  kept[0] = self->crawl.way;
-  kept[1] = self->crawl.half;
-  kept[2] = (PetscReal)self->crawl.steps;
-  kept[3] = self->slips_at;
-  kept[4] = (PetscReal)self->slips_steps;
-  kept[5] = self->window;
-  kept[6] = (PetscReal)self->window_steps;
-  kept[7] = self->way;
-  kept[8] = self->crawl.at;
-}
-
-/* GrowTakeStuck - goes on with that. */
-void GrowTakeStuck(Grow *self, const PetscReal kept[RESTART_STUCK]) {
-  self->crawl.way = kept[0];
-  self->crawl.half = kept[1];
-  self->crawl.steps = (PetscInt)kept[2];
-  self->slips_at = kept[3];
-  self->slips_steps = (PetscInt)kept[4];
-  self->window = kept[5];
-  self->window_steps = (PetscInt)kept[6];
-  self->way = kept[7];
-  self->crawl.at = kept[8];
 }
 
 /*

@@ -12,14 +12,12 @@ typedef struct GrowMark {
 /* What is known of the run besides its stepper. Collective. */
 static PetscErrorCode KeepRun(Grow *self, RestartState *state) {
   PetscFunctionBegin;
-  *state = (RestartState){.model = self->now - self->leg,
-                          .seen = self->seen,
-                          .began = self->began,
-                          .folds = self->folds,
-                          .neglected = self->neglected};
+  *state = (RestartState){.model = self->now - self->leg, .seen = self->seen, .kept = self->kept};
+  state->kept.crawl_way = self->crawl.way;
+  state->kept.crawl_half = self->crawl.half;
+  state->kept.crawl_steps = (PetscReal)self->crawl.steps;
+  state->kept.crawl_at = self->crawl.at;
   PetscCall(ObserverGetBalance(self->observer, state->balance));
-  GrowKeepErrors(self, state->beside);
-  GrowKeepStuck(self, state->stuck);
   PetscCall(GrowCount(self, state->counted));
   PetscFunctionReturn(0);
 }
@@ -47,6 +45,7 @@ static void FromOnePoint(const Grow *self, PetscReal t, RestartState *state) {
   state->time[0] = 0;
   state->points = state->order = 1;
   state->step = grow_rule.again_step * self->scene->end_time;
+  state->kept.changed = 1;
   state->memory[0] = state->memory[2] = state->memory[3] = 0;
 }
 
@@ -58,7 +57,7 @@ PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec error
   PetscFunctionBegin;
   PetscCall(KeepRun(self, state));
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, state, points));
-  if (self->changed) FromOnePoint(self, self->seen.t, state);
+  if (self->kept.changed) FromOnePoint(self, self->seen.t, state);
   PetscCall(KeepErrors(self, state, errors));
   PetscFunctionReturn(0);
 }
@@ -80,27 +79,27 @@ static PetscErrorCode LookWithin(Grow *self, PetscReal t, Vec U, Vec U_t,
   PetscFunctionReturn(0);
 }
 
-/* The run at a time within its latest step, whose end is given, and where its balance of energy was
-   as it began; NULL: it is there. */
-static PetscErrorCode KeepWithin(Grow *self, PetscReal t, PetscReal end, PetscReal h,
-                                 const PetscReal balance[BALANCE_STATE], Mark *mark) {
-  Vec points[VBDF_POINTS], U_t;
+/* The run at a time within its latest step, where its balance of energy was as that began; NULL: it
+   is there. */
+static PetscErrorCode KeepWithin(Grow *self, PetscReal t, const PetscReal balance[BALANCE_STATE],
+                                 Mark *mark) {
+  Vec points[VBDF_POINTS], V[2];
+  PetscReal begin;
 
   PetscFunctionBegin;
   PetscCall(KeepRun(self, &mark->state));
   PetscCall(KeepErrors(self, &mark->state, mark->errors));
   PetscCall(RestartKeep(self->now, t, self->now->U, &mark->state, points));
   FromOnePoint(self, t, &mark->state);
-  PetscCall(VecDuplicate(self->now->U, &mark->U));
-  PetscCall(VecDuplicate(self->now->U, &U_t));
-  PetscCall(LegInterpolate(self->now, t, end, h, mark->U, U_t));
-  PetscCall(LookWithin(self, t, mark->U, U_t, balance, &mark->state));
+  PetscCall(GrowWithin(self, t, V, &begin));
+  mark->U = V[0];
+  PetscCall(LookWithin(self, t, V[0], V[1], balance, &mark->state));
   mark->state.seen.error_tip = self->seen.error_tip;
   mark->state.seen.error_norm_x2 = self->seen.error_norm_x2;
   mark->state.seen.error_energy = self->seen.error_energy;
-  mark->state.seen.step = t - (end - h);
+  mark->state.seen.step = t - begin;
   mark->state.seen.model = self->now - self->leg;
-  PetscCall(VecDestroy(&U_t));
+  PetscCall(VecDestroy(&V[1]));
   PetscFunctionReturn(0);
 }
 
@@ -111,8 +110,8 @@ PetscErrorCode GrowMark(Grow *self, PetscReal t) {
 
   PetscFunctionBegin;
   if (!(self->seen.step > 0)) PetscFunctionReturn(0);
-  PetscCall(KeepWithin(self, PetscMin(t, self->seen.t), self->seen.t, self->seen.step,
-                       t < self->seen.t ? self->balance : NULL, &mark));
+  PetscCall(
+      KeepWithin(self, PetscMin(t, self->seen.t), t < self->seen.t ? self->balance : NULL, &mark));
   PetscCall(PetscRealloc((size_t)(self->marks + 1) * sizeof(mark), &self->mark));
   self->mark[self->marks++] = mark;
   PetscFunctionReturn(0);
@@ -173,12 +172,10 @@ static PetscErrorCode SaveNow(Grow *self, const char *path) {
 static PetscErrorCode SaveWithin(Grow *self, const char *path, PetscReal t) {
   const PetscReal stored = self->stored_shape;
   PetscErrorCode error;
-  PetscReal end;
   Mark mark;
 
   PetscFunctionBegin;
-  PetscCall(TSGetTime(self->now->ts, &end));
-  PetscCall(KeepWithin(self, t, end, end - self->seen.t, NULL, &mark));
+  PetscCall(KeepWithin(self, t, NULL, &mark));
   PetscCall(GrowStoreShape(self, t, mark.U));
   error = SaveMark(self, path, &mark);
   OutputDropShape(self->output);

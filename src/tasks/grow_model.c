@@ -43,14 +43,14 @@ void GrowWeigh(Grow *self, const Observation *last, PetscReal folds) {
                   before = PetscMax(last->norm_x2, last->norm_x3);
   PetscReal grown;
 
-  if (self->weighed == 0) self->weighed = FEWEST_FOLDS;
+  if (self->kept.weighed == 0) self->kept.weighed = FEWEST_FOLDS;
   if (self->now == &self->leg[LINEAR] && PetscMin(size, before) > rod_rule.vanished &&
       PetscMin(self->seen.energy, last->energy) > grow_rule.energy_vanished) {
     grown = self->seen.energy / last->energy;
-    self->energy_folds += PetscAbsReal(PetscLogReal(grown));
-    self->weighed *= PetscSqrtReal(grown) * before / size;
+    self->kept.energy_folds += PetscAbsReal(PetscLogReal(grown));
+    self->kept.weighed *= PetscSqrtReal(grown) * before / size;
   }
-  self->weighed += folds;
+  self->kept.weighed += folds;
 }
 
 /* GrowNeglect - the linear model leaves out terms of the square of the angle and, in friction, of
@@ -71,7 +71,7 @@ PetscErrorCode GrowNeglect(Grow *self, Vec U_t) {
   self->neglects = PetscSqr(across);
   if (load->resolved > 0 && load->friction.mu > 0) self->neglects /= load->friction.beta;
   self->neglects = PetscMax(self->neglects, PetscSqr(self->seen.max_angle));
-  if (self->model == LINEAR) self->neglected = PetscMax(self->neglected, self->neglects);
+  if (self->model == LINEAR) self->kept.neglected = PetscMax(self->kept.neglected, self->neglects);
   PetscFunctionReturn(0);
 }
 

@@ -118,7 +118,7 @@ static PetscReal Stiffer(const Grow *self) {
   const PetscReal allowed = grow_rule.depth_reported / 2 * contact->diameter;
 
   return contact->stiffness *
-         PetscPowReal(ContactSoftDepth(contact, self->depth) / allowed, 4. / 3);
+         PetscPowReal(ContactSoftDepth(contact, self->kept.depth) / allowed, 4. / 3);
 }
 
 /* Strands in space rub by a law that is rounded off: what sticks there creeps. */
@@ -127,7 +127,7 @@ static PetscErrorCode TellRounded(const Grow *self) {
 
   PetscFunctionBegin;
   if (!self->scene->space.rod || !contact->self || contact->friction <= 0 ||
-      contact->rub.beta > 0 || !self->pressed)
+      contact->rub.beta > 0 || !self->kept.pressed)
     PetscFunctionReturn(0);
   PetscCall(PetscPrintf(self->scene->comm,
                         "Friction between strands in space is not held exactly: with "
@@ -155,16 +155,16 @@ static PetscErrorCode TellContact(const Grow *self) {
   PetscFunctionBegin;
   if (!contact->any) PetscFunctionReturn(0);
   PetscCall(SceneContactAt(self->scene, self->seen.t));
-  if (self->off > 0)
+  if (self->kept.off > 0)
     (void)snprintf(held, sizeof(held), ", held off by at most %s",
-                   Deep(self, self->off, off, sizeof(off)));
+                   Deep(self, self->kept.off, off, sizeof(off)));
   PetscCall(PetscPrintf(self->scene->comm,
                         "contact of stiffness %.3g: at the end in %d zone%s, penetration at most "
                         "%s%s\n",
                         (double)contact->stiffness, (int)self->seen.contacts,
                         self->seen.contacts == 1 ? "" : "s",
-                        Deep(self, self->depth, deep, sizeof(deep)), held));
-  if (contact->diameter > 0 && self->depth > grow_rule.depth_reported * contact->diameter)
+                        Deep(self, self->kept.depth, deep, sizeof(deep)), held));
+  if (contact->diameter > 0 && self->kept.depth > grow_rule.depth_reported * contact->diameter)
     PetscCall(PetscPrintf(self->scene->comm,
                           "The rod is pressed in by more than %.0f %% of its diameter: give "
                           "-contact_stiffness %.1e%s.\n",
@@ -217,7 +217,7 @@ static PetscErrorCode TellRigid(const Grow *self) {
   char text[4][32], third[40] = "";
 
   PetscFunctionBegin;
-  if (!self->pressed || error->end.part[ESTIMATE_SOFT] > grow_rule.rigid_known)
+  if (!self->kept.pressed || error->end.part[ESTIMATE_SOFT] > grow_rule.rigid_known)
     PetscFunctionReturn(0);
   if (self->scene->space.rod)
     (void)snprintf(third, sizeof(third), ", %s", OptionNumber(rigid[RIGID_TIP + 2], text[2]));
@@ -243,7 +243,7 @@ static PetscErrorCode TellErrors(const Grow *self, PetscInt snaps) {
   if (self->scene->load.limit)
     (void)snprintf(friction, sizeof(friction), ", friction %.1e",
                    (double)end->part[ESTIMATE_LIMIT]);
-  if (self->pressed)
+  if (self->kept.pressed)
     (void)snprintf(soft, sizeof(soft), ", contact %.1e", (double)end->part[ESTIMATE_SOFT]);
   if (error->kind == ESTIMATE_MEASURED)
     PetscCall(PetscPrintf(comm, " (space %.1e, time %.1e%s%s)", (double)end->part[ESTIMATE_SPACE],
@@ -357,13 +357,13 @@ static PetscErrorCode TellSides(const Grow *self) {
   TSType type;
 
   PetscFunctionBegin;
-  if (!self->blind) PetscFunctionReturn(0);
+  if (!self->kept.blind) PetscFunctionReturn(0);
   PetscCall(TSGetType(self->now->ts, &type));
   PetscCall(
       PetscPrintf(self->scene->comm,
                   "In %d step%s of -ts_type %s a bend grew faster than they can follow: to "
                   "which side the rod gave way is not known; take vbdf, or a shorter -ts_dt.\n",
-                  (int)self->blind, self->blind == 1 ? "" : "s", type));
+                  (int)self->kept.blind, self->kept.blind == 1 ? "" : "s", type));
   PetscFunctionReturn(0);
 }
 
@@ -454,7 +454,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellClamp(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
                         (int)steps, (int)counted[1], (int)counted[0], now - self->begin));
-  PetscCall(TellErrors(self, self->snaps));
+  PetscCall(TellErrors(self, self->kept.snaps));
   PetscCall(TellSides(self));
   PetscCall(TellPlane(self));
   PetscCall(TellStraight(self));

@@ -264,7 +264,7 @@ PetscErrorCode GrowSensitivitiesObserve(Grow *self, PetscReal t, Vec U, Vec U_t)
 
   PetscFunctionBegin;
   if (!all) PetscFunctionReturn(0);
-  if (self->snaps) all->lost = PETSC_TRUE;
+  if (self->kept.snaps) all->lost = PETSC_TRUE;
   for (PetscInt i = 0; i < all->n; i++)
     for (int k = 0; k < 2; k++) {
       const Shadow *shadow = &all->asked[i].shadow[k];

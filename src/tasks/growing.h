@@ -30,7 +30,6 @@ typedef struct {
   PetscReal balance[BALANCE_STATE]; /* of energy, of a run by steps, as the latest one began */
   PetscInt marks;
   struct GrowMark *mark; /* of a run by steps, at the times of its stored shapes: grow_keep.c */
-  PetscBool changed;     /* something has been, since the latest step */
   Load load;             /* as the run began: it may give friction a viscous share */
   PetscInt model;        /* as asked for */
   PetscBool can[MODELS]; /* which models can be of this scene */
@@ -47,39 +46,16 @@ typedef struct {
   PetscReal report_at;    /* time of the next progress line */
   PetscInt iterations;    /* of the leg so far */
   PetscReal counted[2];   /* iterations and rejected tries of the runs that it goes on with */
-  PetscReal folds;        /* of |x2|, up and down, so far */
   PetscReal neglects;     /* part that the linear model leaves out, or would, now */
-  PetscReal neglected;    /* largest part that it left out */
-  PetscReal energy_folds; /* of the energy of the linear model, up and down */
-  PetscReal weighed;      /* the folds, by what they weigh in its energy */
-  PetscBool pressed;      /* there has been contact */
   ErrorEstimate error; /* as GrowErrors() has found it; when and why of what was largest so far */
-  PetscReal largest[ESTIMATE_SEEN]; /* that error, beyond the start */
-  Astray astray;                    /* where it may have gone to another side */
-  PetscReal event_at;               /* when it last touched, let go or snapped; 0: never */
-  int event_is;                     /* which, as WHY_TOUCH */
-  PetscReal depth;                  /* largest penetration so far */
-  PetscReal off;      /* largest distance at which it was held off, pressed in nowhere */
-  PetscInt snaps;     /* of this run, and of what it goes on with */
-  PetscReal way;      /* how far the run has come, in time and as the rod has moved */
-  PetscInt crossings; /* of these, its start was crossed by */
-  PetscReal crossed;  /* what steps that cross its start have changed, see GrowCross() */
-  PetscBool gave_way; /* its start did, at once: a jump in that layer */
-  PetscBool layered;  /* steps have crossed the layer of its start, from here: */
-  Observation began;
-  PetscBool vanished;      /* |x2| has fallen below the numbers that there are */
-  PetscInt blind;          /* steps that have crossed a mode that grows (LegCrosses()) */
+  Remembered kept;     /* what who goes on with the run must know, besides */
   PetscBool quiet, beyond; /* beyond: the linear model has left its range */
   int stopped;             /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
   Watch watch;
-  PetscReal shared;   /* viscous share of friction that has been told, see LoadShareMore() */
-  PetscBool slips;    /* it does all the same, without end: the run ends for that */
-  PetscReal slips_at; /* the way when it last got on, and steps since: see grow_jam.c */
-  PetscInt slips_steps;
+  PetscReal shared; /* viscous share of friction that has been told, see LoadShareMore() */
+  PetscBool slips;  /* it does all the same, without end: the run ends for that */
   PetscBool jammed; /* the run ends for that */
-  PetscReal window; /* the way when it last got on, and steps since: see grow_jam.c */
-  PetscInt window_steps;
   Crawl crawl;
   PetscReal force_before; /* on the clamp, of the state before that which was seen last */
   PetscBool crawls;       /* the run ends for that */
@@ -119,6 +95,7 @@ PetscErrorCode GrowStore(Grow *self, PetscBool finished);
 PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U);
 PetscErrorCode GrowAfterStep(TS ts);
 PetscErrorCode GrowStep(Grow *self, PetscReal until);
+PetscErrorCode GrowWithin(Grow *self, PetscReal t, Vec V[2], PetscReal *begin);
 PetscErrorCode GrowSettle(Grow *self, PetscReal t);
 PetscErrorCode GrowChange(Grow *self, PetscBool acts);
 PetscErrorCode GrowAnew(Grow *self);
@@ -134,8 +111,6 @@ PetscErrorCode GrowStepOn(Grow *self, PetscReal until);
 
 /* grow_errors.c */
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);
-void GrowKeepErrors(const Grow *self, PetscReal kept[RESTART_BESIDE]);
-void GrowTakeErrors(Grow *self, const PetscReal kept[RESTART_BESIDE]);
 PetscBool GrowFollowsErrors(const Grow *self);
 void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped);
 PetscErrorCode GrowErrors(Grow *self);
@@ -151,8 +126,6 @@ PetscBool GrowSlips(Grow *self);
 PetscBool GrowHeldTwice(const Grow *self);
 PetscBool GrowCrawls(Grow *self);
 PetscBool GrowFindsNoWay(const Grow *self);
-void GrowKeepStuck(const Grow *self, PetscReal kept[RESTART_STUCK]);
-void GrowTakeStuck(Grow *self, const PetscReal kept[RESTART_STUCK]);
 PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);
 
 /* grow_report.c */

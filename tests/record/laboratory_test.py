@@ -3,6 +3,7 @@
 
     laboratory_test.py build/tendril [--mpiexec mpiexec] CHECK...      (no CHECK: all of them)"""
 
+import gzip
 import re
 import shlex
 import signal
@@ -78,6 +79,11 @@ def events_are_located_to_the_tolerance():
         whole = scene.Run(f"{FED} -ts_rtol 1e-8 -ts_max_time {found[1]!r}")
         for name in ("tip_speed", "dissipation", "energy", "tip_x2"):
             expect(abs(r[f"series/{name}"][-1] / whole.series[name][-1] - 1) < 1e-4, f"{stop}: {name}")
+    # of a rod in space its place is that in the laboratory, whichever way the clamp points
+    tendril(f"{FED} {out} -rod_model space -clamp_direction 0.1,0.2,1 -stop_length 2.5")
+    r = read(f"{scene.SCRATCH}/e.h5")
+    tip = np.array([r["series/tip_x1"][-1], r["series/tip_x2"][-1]])
+    expect(np.abs(r["event/x"] - tip).max() < 1e-12, f"event at {r['event/x']}, the tip at {tip}")
     expect("-stop_angle" in tendril(f"{FED} -stop_angle 0.01", 1), "already so")
     expect("-stop_length" in tendril(f"{FED} -stop_length 1", 1), "too short")
 
@@ -145,6 +151,14 @@ def a_broken_run_goes_on_as_the_whole():
     tendril(f"-restart {d}/a.h5")
     tendril(f"{FED} -output_interval 0.5 -output {d}/whole.h5")
     same_run(read(f"{d}/a.h5"), read(f"{d}/whole.h5"), "past an event", 1e-4)
+    # made by version 0.2, whose numbers to go on from had no names (gzip): -growth_type uniform -ts_max_time 3 -rod_cells 16
+    # -clamp_angle 0.3 -rod_curvature 0.2 -output_shapes 2
+    Path(f"{d}/old.h5").write_bytes(gzip.decompress((Path(__file__).parent / "before_names.h5.gz").read_bytes()))
+    tendril(f"-restart {d}/old.h5 -ts_max_time 4 -output {d}/a.h5")
+    tendril(f"-growth_type uniform -ts_max_time 3 -rod_cells 16 -clamp_angle 0.3 -rod_curvature 0.2 -output_shapes 2 -output {d}/b.h5")
+    tendril(f"-restart {d}/b.h5 -ts_max_time 4")
+    same_run(read(f"{d}/a.h5"), read(f"{d}/b.h5"), "of a file without names", 1e-9)
+    expect(abs(told_of(f"{d}/a.h5") / told_of(f"{d}/b.h5") - 1) < 1e-9, "errors of a file without names")
     for options in (f"-restart {d}/none.h5", f"-restart {scene.TENDRIL}", "-restart",
                     f"-restart {d}/whole.h5 -ts_max_time 30 -rod_cells 20",
                     f"-restart {d}/whole.h5 -ts_max_time 30 -rod_model mixed",

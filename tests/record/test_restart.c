@@ -121,6 +121,29 @@ static void TestRestart(void **state) {
   RemoveFile(path);
 }
 
+/* All that a run remembers comes back, each number by its name. */
+static void TestNames(void **state) {
+  RestartState kept, read;
+  char path[64], fault[HDF_FAULT], *names;
+  HdfFile file = NULL;
+  PetscMPIInt rank;
+
+  OpenScratch(path);
+  for (PetscInt k = 0; k < RESTART_STATE; k++) ((PetscReal *)&kept)[k] = (PetscReal)k + 0.5;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (!rank) CHECK(HdfCreate(path, &file));
+  CHECK(HdfGroup(file, "/restart"));
+  CHECK(RememberedWrite(file, &kept));
+  CHECK(HdfClose(&file, fault));
+  MPI_Barrier(PETSC_COMM_WORLD);
+  CHECK(RememberedRead(path, PETSC_COMM_WORLD, &read));
+  EXPECT(!memcmp(&kept, &read, sizeof(kept)), "a restart goes on with less");
+  CHECK(HdfReadText("-restart", path, "/restart/names", &names));
+  EXPECT(strstr(names, "\nsnaps 1\n") && strstr(names, "\nseen.tip_x1 1\n"), "names: %s", names);
+  CHECK(PetscFree(names));
+  RemoveFile(path);
+}
+
 /* Without a file: what a sweep's member leaves in memory. */
 static void TestHarvest(void **state) {
   Observation seen = {0};
@@ -149,5 +172,6 @@ static void TestHarvest(void **state) {
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestNewton), cmocka_unit_test(TestRestart), cmocka_unit_test(TestHarvest)};
+    cmocka_unit_test(TestNewton), cmocka_unit_test(TestRestart), cmocka_unit_test(TestNames),
+    cmocka_unit_test(TestHarvest)};
 MAIN(tests)

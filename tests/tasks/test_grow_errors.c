@@ -1,4 +1,4 @@
-/* What is told of a start that steps have crossed unseen, and that a restart goes on with it.
+/* What is told of a start that steps have crossed unseen, by how far they have led.
    test: errors that are told are those of known histories */
 #include "harness.h"
 #include "tasks/growing.h"
@@ -15,13 +15,16 @@ static void TestOneStep(void **state) {
   Grow near = Moved(1e-3, 1), some = Moved(0.4, 1), far = Moved(0.7, 1), late = Moved(0.7, 1);
 
   GrowCross(&near, &start, 0, PETSC_FALSE);
-  EXPECT(PetscAbsReal(near.crossed - 2e-3) < 1e-8, "a change of 1e-3: %g", (double)near.crossed);
+  EXPECT(PetscAbsReal(near.kept.crossed - 2e-3) < 1e-8, "a change of 1e-3: %g",
+         (double)near.kept.crossed);
   GrowCross(&some, &start, 0, PETSC_FALSE);
-  EXPECT(some.crossed == 1e-2 && some.crossings == 1, "of 0.4: %g", (double)some.crossed);
+  EXPECT(some.kept.crossed == 1e-2 && some.kept.crossings == 1, "of 0.4: %g",
+         (double)some.kept.crossed);
   GrowCross(&far, &start, 0, PETSC_FALSE);
-  EXPECT(far.crossed == 1, "of 0.7: %g", (double)far.crossed);
+  EXPECT(far.kept.crossed == 1, "of 0.7: %g", (double)far.kept.crossed);
   GrowCross(&late, &start, 0.6, PETSC_FALSE);
-  EXPECT(late.crossed == 0 && late.crossings == 0, "a late jump: %g", (double)late.crossed);
+  EXPECT(late.kept.crossed == 0 && late.kept.crossings == 0, "a late jump: %g",
+         (double)late.kept.crossed);
 }
 
 /* In the layer of a start it is how far all steps have led that counts. */
@@ -30,32 +33,17 @@ static void TestLayer(void **state) {
   Observation last;
 
   GrowCross(&self, &start, 0, PETSC_TRUE);
-  EXPECT(self.crossed == 0 && self.crossings == 0, "not far: %g", (double)self.crossed);
+  EXPECT(self.kept.crossed == 0 && self.kept.crossings == 0, "not far: %g",
+         (double)self.kept.crossed);
   last = self.seen;
   self.seen.tip_x2 = 0.8;
   GrowCross(&self, &last, 1e-9, PETSC_TRUE);
-  EXPECT(self.crossed == 1, "far in two steps: %g", (double)self.crossed);
+  EXPECT(self.kept.crossed == 1, "far in two steps: %g", (double)self.kept.crossed);
   side.seen.norm_x2 = 0.5; /* the tip where it was, the rod not */
   GrowCross(&side, &start, 0, PETSC_TRUE);
-  EXPECT(side.crossed == 1, "a norm that is half as large: %g", (double)side.crossed);
+  EXPECT(side.kept.crossed == 1, "a norm that is half as large: %g", (double)side.kept.crossed);
 }
 
-static void TestRestart(void **state) {
-  Grow self = {.snaps = 3,
-               .crossings = 2,
-               .crossed = 0.25,
-               .vanished = PETSC_TRUE,
-               .depth = 1e-3,
-               .energy_folds = 40,
-               .weighed = 7},
-       next = {0};
-  PetscReal kept[RESTART_BESIDE];
-
-  GrowKeepErrors(&self, kept);
-  GrowTakeErrors(&next, kept);
-  EXPECT(!memcmp(&self, &next, sizeof(self)), "a restart goes on with less");
-}
-
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestOneStep), cmocka_unit_test(TestLayer), cmocka_unit_test(TestRestart)};
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOneStep),
+                                          cmocka_unit_test(TestLayer)};
 MAIN(tests)

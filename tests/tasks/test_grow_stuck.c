@@ -11,7 +11,7 @@ static Observation Pressed(PetscReal force) {
 /* The step, of this size, at which the run is called jammed; 0: not in so many. */
 static PetscInt JamsAt(Grow *self, PetscReal step, PetscInt most) {
   for (PetscInt k = 1; k <= most; k++) {
-    self->way += step;
+    self->kept.way += step;
     if (GrowIsJammed(self)) return k;
   }
   return 0;
@@ -67,7 +67,7 @@ static void TestJamDeep(void **state) {
 /* The step, of this size, at which a run is told to slip; 0: not in so many. */
 static PetscInt SlipsAt(Grow *self, PetscReal step, PetscInt most) {
   for (PetscInt k = 1; k <= most; k++) {
-    self->way += step;
+    self->kept.way += step;
     if (GrowSlips(self)) return k;
   }
   return 0;
