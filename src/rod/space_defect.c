@@ -9,6 +9,7 @@
 typedef struct {
   const Load *load, *bare, *seen; /* that of the rod; without walls; that of these cells */
   PetscReal part;                 /* of the pressure of walls that counts; 1: all */
+  PetscReal gives;                /* (l/h)^4, or 1: stiffness of the rod over a cell over k */
   PetscReal h[2];
   const Law *law;
   const FrictionDual4 *dual[PLACES]; /* at the points */
@@ -16,6 +17,7 @@ typedef struct {
   const PetscReal (*couple)[3];      /* and to m'; NULL: none */
   PetscReal feet[2][FOOT_LOAD];      /* what feet add in the middle of each */
   Point p[PLACES];
+  PetscReal wall[PLACES][3];       /* what walls add to n' */
   PetscReal value[PLACES][FIELDS]; /* f at them, as the defect looks at it */
 } Cells;
 
@@ -78,11 +80,11 @@ static void AddTurning(const Cells *cells, int k, PetscReal defect[MAX_FIELDS]) 
   f at so many points without what strands do there. They press where they cross, over a cell or so,
   and of that no difference tells anything; but what they do is handed to the points so that force
   and moments are kept, whatever the cells (curve/spread.h). Counted as what other loads are off by,
-  it left a part of each strand's pressure without its opposite. Of what walls do, a part counts.
+  it left a part of each strand's pressure without its opposite. Of what walls do, that part counts.
 */
-static void Strip(Cells *cells, int points) {
+static void Strip(Cells *cells, int points, PetscReal part) {
   for (int j = 0; j < points; j++) {
-    PetscReal *bare = cells->value[j];
+    PetscReal *bare = cells->value[j], with[FIELDS];
 
     memcpy(bare, cells->p[j].f, sizeof(cells->value[j]));
     for (int d = 0; d < 3; d++) {
@@ -91,10 +93,80 @@ static void Strip(Cells *cells, int points) {
       if (j % 2) bare[N + d] -= cells->feet[j / 2][d];
       if (j % 2) bare[M + d] -= cells->feet[j / 2][3 + d];
     }
-    if (cells->part < 1) {
+    memcpy(with, bare, sizeof(with));
+    if (part < 1) {
       Point p = cells->p[j];
       PointEvaluate(cells->bare, cells->law + j, cells->dual[j], &p);
-      for (int f = M; f < FIELDS; f++) bare[f] += (1 - cells->part) * (p.f[f] - bare[f]);
+      for (int f = M; f < FIELDS; f++) bare[f] += (1 - part) * (p.f[f] - bare[f]);
+      for (int d = 0; d < 3; d++) cells->wall[j][d] = with[N + d] - p.f[N + d];
+    }
+  }
+}
+
+/*
+  What walls push with at single points, the rule integrates as it is, in forces and moments: n
+  jumps there, and m' with it, and no smooth curve goes through them. So what walls add to n from
+  the first point on is taken out of m' = -g d1 x n, too.
+*/
+static void StripMoments(Cells *cells) {
+  PetscReal n[3] = {0};
+
+  for (int k = 0; k < 2; k++) {
+    const PetscReal h = cells->h[k], (*wall)[3] = (const PetscReal(*)[3])cells->wall + 2 * k;
+    PetscReal end[3], mid[3];
+    for (int d = 0; d < 3; d++) {
+      end[d] = n[d] + h * (wall[0][d] + 4 * wall[1][d] + wall[2][d]) / 6;
+      mid[d] = (n[d] + end[d]) / 2 + h * (wall[0][d] - wall[2][d]) / 8;
+    }
+    for (int e = 1; e < 3; e++) {
+      const PetscReal *w = e == 1 ? mid : end, *q = cells->p[2 * k + e].d[0],
+                      g = cells->law[2 * k + e].g;
+      PetscReal *value = cells->value[2 * k + e] + M;
+      value[0] += g * (q[1] * w[2] - q[2] * w[1]);
+      value[1] += g * (q[2] * w[0] - q[0] * w[2]);
+      value[2] += g * (q[0] * w[1] - q[1] * w[0]);
+    }
+    memcpy(n, end, sizeof(n));
+  }
+}
+
+/* What walls add to n' in cell k, at z of it, on the rod's cubic. */
+static void WallAt(const Cells *cells, int k, PetscReal z, PetscReal wall[3]) {
+  const Point *a = cells->p + 2 * k, *b = a + 2;
+  const Law *law = cells->law + 2 * k + 1;
+  const FrictionDual4 *dual = cells->dual[2 * k + 1];
+  const PetscReal h = cells->h[k];
+  Point with = a[1], without;
+
+  for (int i = 0; i < 4; i++)
+    with.p[i] = HermiteAt(z, h, a->p[i], a->f[P + i], b->p[i], b->f[P + i]);
+  for (int i = 0; i < 3; i++)
+    with.at.x[i] = HermiteAt(z, h, a->at.x[i], a->f[X + i], b->at.x[i], b->f[X + i]);
+  PointStrains(cells->load, law, &with);
+  without = with;
+  PointEvaluate(cells->load, law, dual, &with);
+  PointEvaluate(cells->bare, law, dual, &without);
+  for (int d = 0; d < 3; d++) wall[d] = with.f[N + d] - without.f[N + d];
+}
+
+/* A rod that touches walls is held off them at its points, and between these its curve may be
+   deeper or less deep: how the pressure would differ with twice the points. Where that is of a
+   layer l shorter than a cell, the rod gives way by that depth, with its own stiffness over the
+   cell, B/h^4 = k (l/h)^4. */
+static void AddBetween(const Cells *cells, PetscReal defect[MAX_FIELDS]) {
+  PetscReal any = 0;
+
+  for (int j = 0; j < PLACES; j++)
+    for (int d = 0; d < 3; d++) any += PetscAbsReal(cells->wall[j][d]);
+  for (int k = 0; k < 2 && any > 0; k++) {
+    PetscReal first[3], second[3];
+    WallAt(cells, k, 0.25, first);
+    WallAt(cells, k, 0.75, second);
+    for (int d = 0; d < 3; d++) {
+      const PetscReal a = cells->wall[2 * k][d], m = cells->wall[2 * k + 1][d],
+                      b = cells->wall[2 * k + 2][d];
+      defect[N + d] += rod_rule.pressure_between * cells->gives * cells->h[k] / 12 *
+                       (a + 6 * m + b - 4 * first[d] - 4 * second[d]);
     }
   }
 }
@@ -109,13 +181,15 @@ static void PairDefect(Cells *cells, PetscReal defect[MAX_FIELDS]) {
 
   PairWeights(h1, h2, weight);
   PointOnCubic(cells, 2, cells->law + 4, h1 / (h1 + h2), h1 + h2, p + 4, &cubic);
-  Strip(cells, PLACES);
+  Strip(cells, PLACES, cells->part < 1 ? 0 : 1);
+  if (cells->part < 1) StripMoments(cells);
   for (int f = 0; f < FIELDS; f++) {
     PetscReal value[PLACES];
     for (int j = 0; j < PLACES; j++) value[j] = cells->value[j][f];
     defect[f] = PairRule(h1, h2, weight, value);
     if (f < M || cells->part == 1) defect[f] += PairCubic(h1, h2, value[2], cubic.f[f]);
   }
+  if (cells->part < 1) AddBetween(cells, defect);
   for (int k = 0; k < 2 && walls && !LoadSticks(cells->load); k++) AddTurning(cells, k, defect);
 }
 
@@ -126,7 +200,7 @@ static void CellDefect(Cells *cells, PetscReal defect[MAX_FIELDS]) {
   Point cubic;
 
   PointOnCubic(cells, 1, cells->law + 2, 0.5, h, p + 2, &cubic);
-  Strip(cells, 3);
+  Strip(cells, 3, cells->part);
   for (int f = 0; f < FIELDS; f++)
     defect[f] =
         h * (cells->value[1][f] - (cells->value[0][f] + 4 * cubic.f[f] + cells->value[2][f]) / 6);
@@ -138,6 +212,8 @@ static void Take(const Cell *cell, PetscInt i, int k, Cells *cells) {
     cells->law = cell->law;
     cells->part =
         cells->load->walls ? PairSees(&cell->rod->scene->contact, cell->law[2].g * cell->h) : 1;
+    cells->gives =
+        PetscMin(1, PetscPowRealInt(cell->rod->scene->contact.tip / (cell->law[2].g * cell->h), 4));
     cells->seen = cells->part < 1 ? cells->bare : cells->load;
     cells->push = cell->push ? cell->push + 2 * i : NULL;
     cells->couple = cell->couple ? cell->couple + 2 * i : NULL;

@@ -582,5 +582,27 @@ def a_hooked_wire_comes_through_an_uneven_vessel():
     expect(r["kind"] == "length" and tries < 6000, f"{r['kind']}, {tries} iterations")
 
 
+@check
+def errors_of_rods_that_touch_walls_are_told():
+    """What is told of the energy at the end of two rods on 40 cells, longer than the layer of contact, against twice the cells
+    in contact 100 times as stiff: above it, and not far above. (One was told 120 times its error, for no smooth curve goes
+    through the jumps of its force; the other half of it, for between its points it lies deeper in the wall.)"""
+    common = "-growth_type feed -contact_diameter 0.1 -shape_type straight -rod_model space "
+    rods = {"along the inside of a ring": (common + "-growth_initial_length 0.3635 -ts_max_time 1.8551 -rod_curvature 0.398 "
+                                           "-rod_curvature_2 -0.4553 -friction_beta 0 " + walls(
+                "torus 0 1.39023453572 0.624846841794 0 -0.409950690063 0.91210768647 1.5242 0.3473 inside friction 0.3"), 8.8e7, 80),
+            "against a post": (common + "-growth_initial_length 0.7128 -ts_max_time 2.8222 -rod_curvature 0.2289 "
+                               "-rod_curvature_2 -0.0301 -friction_beta 0.001 " + walls(
+                "torus 1.6098 -0.2732 -0.7584 0.510405755206 -0.742374983817 0.434010769977 0.5871 0.1865 outside friction 0.6",
+                "cylinder 1.5452 0.7674 -0.0769 0.917242607247 -0.157545557809 -0.365848871346 0.2882 outside friction 0.6",
+                "sphere 1.5797 -0.3984 -0.1379 0.1914 outside friction 0.6"), 3.42e7, 10)}
+    for name, (options, stiff, most) in rods.items():
+        r = Run(options + "-rod_cells 40")
+        fine = Run(options + f"-rod_cells 80 -contact_stiffness {stiff:g}")
+        error, told = abs(r.energy[-1] / fine.energy[-1] - 1), r.told["end_energy"]
+        print(f"{name}: {r.steps} steps, energy off by {error:.1e}, told {told:.1e}")
+        expect(0.8 * error < told < most * error, f"{name}: off by {error}, told {told}")
+
+
 if __name__ == "__main__":
     sys.exit(scene.main())
