@@ -58,6 +58,8 @@ for file in options/*.opts; do
   twisted-rod) what=(--panels space,curvature --times 0.05,0.3,0.6,10) ;;
   catheter-steered) what=(--panels shapes,force --times 3.5,5,7.5,10,16) ;;
   vine-steered) what=(--panels shapes,curvature,power --times 4,8,12,15) ;;
+  root-gravity) what=(--panels shapes,tip_angle --times 0h,4h,8h,12h,24h) ;;
+  shoot-*) what=(--panels shapes,curvature --times 0,0.5,1,2,3) ;;
   vine-corners) what=(--panels shapes --times 3,5,7,9) ;;
   esac
   case $name in

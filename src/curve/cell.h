@@ -97,6 +97,22 @@ static inline void CurvePlaceAt(const CurveCell *cell, CurvePlace *place) {
   }
 }
 
+/*
+  CurveBezier - the points b[4][dims] of its Bezier polygon, which hold it:
+
+    b0 = x0,   b1 = x0 + h g0 q0/3,   b2 = x1 - h g1 q1/3,   b3 = x1
+*/
+static inline void CurveBezier(int dims, const CurveCell *cell, PetscReal *b) {
+  const PetscReal *g = cell->g, h = cell->h;
+
+  for (int d = 0; d < dims; d++) {
+    b[d] = cell->x[0][d];
+    b[dims + d] = b[d] + h * g[0] * cell->q[0][d] / 3;
+    b[3 * dims + d] = cell->x[1][d];
+    b[2 * dims + d] = b[3 * dims + d] - h * g[1] * cell->q[1][d] / 3;
+  }
+}
+
 /* CurveRates - x_t and x_zt at a place that stays where it is in the cell. */
 static inline void CurveRates(const CurveCell *cell, PetscReal z, PetscReal x_t[3],
                               PetscReal slope_t[3]) {

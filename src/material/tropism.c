@@ -151,11 +151,17 @@ PetscReal TropismDriveAt(const Tropism *self, const TropismPlace *at, int bend, 
   return TropismDrive(self, f, u0, elastic, TropismNutation(self, bend, t));
 }
 
-/* TropismNearLamp - how far a place is from the lamp; PETSC_MAX_REAL: there is none. */
-PetscReal TropismNearLamp(const Tropism *self, const PetscReal x[3]) {
-  PetscReal sum = 0;
+/* TropismNearLamp - how near a way from one place straight to another comes to the lamp;
+   PETSC_MAX_REAL: there is none. */
+PetscReal TropismNearLamp(const Tropism *self, const PetscReal from[3], const PetscReal to[3]) {
+  PetscReal along = 0, way = 0, sum = 0, z;
 
   if (self->light == 0) return PETSC_MAX_REAL;
-  for (int i = 0; i < 3; i++) sum += PetscSqr(self->source[i] - x[i]);
+  for (int i = 0; i < 3; i++) {
+    along += (self->source[i] - from[i]) * (to[i] - from[i]);
+    way += PetscSqr(to[i] - from[i]);
+  }
+  z = way > 0 ? PetscMin(1, PetscMax(0, along / way)) : 1;
+  for (int i = 0; i < 3; i++) sum += PetscSqr(self->source[i] - from[i] - z * (to[i] - from[i]));
   return PetscSqrtReal(sum);
 }

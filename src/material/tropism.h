@@ -35,7 +35,7 @@ PetscErrorCode TropismSetFromOptions(Tropism *tropism, Growth growth);
 void TropismFrame(Tropism *tropism, const PetscReal lab[3][3]);
 PetscReal TropismDriveAt(const Tropism *tropism, const TropismPlace *at, int bend, PetscReal t,
                          PetscReal signal, PetscReal u0, PetscReal elastic);
-PetscReal TropismNearLamp(const Tropism *tropism, const PetscReal x[3]);
+PetscReal TropismNearLamp(const Tropism *tropism, const PetscReal from[3], const PetscReal to[3]);
 
 /* The clock a of the law: how fast the material there stretches, or the rate that is given. */
 static inline PetscReal TropismClock(const Tropism *tropism, Growth growth, PetscReal s,

@@ -1,5 +1,4 @@
 /* Where feet are. */
-#include "base/bezier.h"
 #include "rod/feet.h"
 #include "rod/rules.h"
 
@@ -135,11 +134,10 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
 
 /* FootCellBlock - what holds a cell's curve in the plane: the four points of its Bezier polygon. */
 Block FootCellBlock(const FootCell *cell) {
-  const CurveCell *curve = &cell->curve;
   Block block = BlockEmpty(2);
-  PetscReal b[4][3];
+  PetscReal b[4][2];
 
-  BezierOfCell(3, curve->h, curve->g, curve->x[0], curve->q[0], b[0]);
+  CurveBezier(2, &cell->curve, b[0]);
   for (int k = 0; k < 4; k++) BlockHold(2, &block, b[k]);
   return block;
 }
@@ -261,7 +259,7 @@ static PetscReal Hull(const CurveCell *curve, PetscReal b[4][3]) {
   CurvePlace middle = {.z = 0.5};
   PetscReal extent = 0;
 
-  BezierOfCell(3, curve->h, curve->g, curve->x[0], curve->q[0], b[0]);
+  CurveBezier(3, curve, b[0]);
   CurvePlaceAt(curve, &middle);
   for (int k = 0; k < 4; k++) {
     const PetscReal o[3] = {b[k][0] - middle.x[0], b[k][1] - middle.x[1], b[k][2] - middle.x[2]};

@@ -465,13 +465,15 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
                   wm = h * frame->mid_weight * cell->law[1].g * frame->bow * h;
   const PetscReal kink = KinkOf(cell);
   PetscReal turn; /* of the kink by the angle in the middle */
-  FootSlope by = {{{0}}};
-  FootLoad load = {{0}};
+  FootSlope by;
+  FootLoad load;
   FootEnd end[2];
   FootCell of;
   Feet feet;
 
   if (!CellsFeet(cell, i, &of, &feet)) return;
+  (void)memset(by, 0, sizeof(by));
+  (void)memset(load, 0, sizeof(load));
   FeetHandOut(&of, &feet, load);
   turn = -kink * (q[0] * load[FOOT_KINK][0] + q[1] * load[FOOT_KINK][1]);
   left[TH][TH] -= turn / 2;

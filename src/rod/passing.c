@@ -8,12 +8,7 @@ enum { DIMS = 2 };
 typedef PetscReal Bezier[4][DIMS];
 
 static void CurveOf(const FootCell *cell, Bezier b) {
-  const CurveCell *curve = &cell->curve;
-  PetscReal b3[4][3];
-
-  BezierOfCell(3, curve->h, curve->g, curve->x[0], curve->q[0], b3[0]);
-  for (int k = 0; k < 4; k++)
-    for (int d = 0; d < DIMS; d++) b[k][d] = b3[k][d];
+  CurveBezier(DIMS, &cell->curve, b[0]);
 }
 
 static Block BlockOf(Bezier b) {
@@ -226,16 +221,24 @@ PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell ce
   for (PetscInt k = 0; k < n; k++) {
     const PetscInt i = rod->first + k;
     CurveCell *curve = &cell[k].curve;
-    cell[k] = (FootCell){.dims = dims, .curve = {.h = s[i + 1] - s[i]}};
+    PetscCall(PetscMemzero(&cell[k], sizeof(cell[k])));
+    cell[k].dims = dims;
+    curve->h = s[i + 1] - s[i];
     cell[k].first = (PetscBool)(i == 0);
     cell[k].last = (PetscBool)(i == rod->last - 1);
     PetscCall(GrowthStretch(rod->scene->growth, 2, &s[i], t, curve->g, NULL, NULL));
     for (int e = 0; e < 2; e++) {
       const Node *node = &with[i + e];
-      PetscReal d[3][3] = {{PetscCosReal(node->theta), PetscSinReal(node->theta)}};
-      if (dims == 3) Directors(node->p, QuaternionSize(node->p), d);
-      PetscCall(PetscArraycpy(curve->q[e], d[0], 3));
-      PetscCall(PetscArraycpy(curve->x[e], dims == 3 ? node->x3 : node->x, dims));
+      const PetscReal *x = dims == 3 ? node->x3 : node->x;
+      PetscReal d[3][3];
+      for (int c = 0; c < dims; c++) curve->x[e][c] = x[c];
+      if (dims == 2) {
+        curve->q[e][0] = PetscCosReal(node->theta);
+        curve->q[e][1] = PetscSinReal(node->theta);
+        continue;
+      }
+      Directors(node->p, QuaternionSize(node->p), d);
+      for (int c = 0; c < 3; c++) curve->q[e][c] = d[0][c];
     }
   }
   PetscCall(RodRestoreLocalNodes(rod, &local, &with));

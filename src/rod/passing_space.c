@@ -24,7 +24,7 @@ enum { RESTING = -1 };
 enum { DEEPEST = 24 };
 
 static void CurveOf(const FootCell *cell, Bezier b) {
-  BezierOfCell(DIMS, cell->curve.h, cell->curve.g, cell->curve.x[0], cell->curve.q[0], b[0]);
+  CurveBezier(DIMS, &cell->curve, b[0]);
 }
 
 static PetscReal Apart(const PetscReal a[3], const PetscReal b[3]) {

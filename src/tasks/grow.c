@@ -164,6 +164,7 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now->ts : NULL,
                             &self->seen));
   self->force_before = GrowBaseForce(&last);
+  GrowFollowLamp(self, last.length > 0 ? &last : &self->seen);
   if (jumped) GrowCross(self, &last, before, layered);
   if (norm > rod_rule.vanished && self->seen.norm_x2 > rod_rule.vanished)
     self->kept.folds += PetscAbsReal(PetscLogReal(self->seen.norm_x2 / norm));
@@ -203,12 +204,13 @@ static PetscErrorCode StopHere(Grow *self, TS ts) {
   PetscFunctionBegin;
   self->beyond = (PetscBool)(self->model == LINEAR && self->seen.max_angle > 1);
   self->jammed = (PetscBool)(!self->event.kind && GrowIsJammed(self));
+  if (self->event.kind) self->blinded = PETSC_FALSE;
   self->slips =
       (PetscBool)(!self->event.kind && GrowSlips(self) && !LoadShareMore(&self->scene->load));
   self->crawls =
       (PetscBool)(!self->event.kind && !self->jammed && !self->slips && GrowCrawls(self));
   if (self->event.kind || self->stopped || self->beyond || self->jammed || self->slips ||
-      self->crawls ||
+      self->crawls || self->blinded ||
       (&self->leg[GrowBetterModel(self)] != self->now && self->seen.t < self->scene->end_time))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
   PetscFunctionReturn(0);
@@ -305,7 +307,7 @@ static PetscErrorCode AfterSolve(Grow *self) {
     PetscCall(TSSetTimeStep(self->now->ts, grow_rule.again_step * self->scene->end_time));
     self->enters = PETSC_TRUE;
   } else if (self->reason != TS_CONVERGED_USER || self->stopped || self->beyond || self->jammed ||
-             self->slips || self->crawls || self->event.kind)
+             self->slips || self->crawls || self->blinded || self->event.kind)
     self->over = PETSC_TRUE;
   else if (self->now != &self->leg[GrowBetterModel(self)]) {
     PetscCall(GrowHandOver(self, &self->leg[GrowBetterModel(self)]));

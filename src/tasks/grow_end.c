@@ -170,6 +170,7 @@ static PetscErrorCode Verdict(Grow *self) {
       "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
       "-friction_across, or a lower -friction_mu: 0.99, or less",
       text[0], (double)self->scene->load.across, kept);
+  PetscCall(GrowTellLamp(self, kept));
   CrawlTell(&self->crawl, self->scene->load.friction.beta, GrowHeldTwice(self), crawl,
             sizeof(crawl));
   AdviseWaves(self, advice, sizeof(advice));

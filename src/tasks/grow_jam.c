@@ -90,6 +90,53 @@ PetscBool GrowFindsNoWay(const Grow *self) {
                      (self->crawls || (self->reason < 0 && !GrowPressedHard(self))));
 }
 
+/* Where the tip is in the frame of the clamp. */
+static void TipInClamp(const Scene scene, const Observation *seen, PetscReal x[3]) {
+  const PetscReal lab[3] = {seen->tip_x1, seen->tip_x2, seen->tip_x3};
+  PetscReal axis[3];
+
+  for (int k = 0; k < 3; k++) {
+    const PetscReal e[3] = {k == 0, k == 1, k == 2};
+    SceneToLab(scene, e, axis);
+    x[k] = axis[0] * lab[0] + axis[1] * lab[1] + axis[2] * lab[2];
+  }
+}
+
+/*
+  GrowFollowLamp - has the tip come nearer to the lamp than it can be sensed? There the direction
+  to it turns round within a cell, or within next to nothing of the rod's length.
+
+  last  the state before
+*/
+void GrowFollowLamp(Grow *self, const Observation *last) {
+  const Scene scene = self->scene;
+  const Mesh *mesh = &scene->mesh;
+  PetscReal from[3], to[3], cell;
+
+  if (scene->tropism.light == 0) return;
+  TipInClamp(scene, last, from);
+  TipInClamp(scene, &self->seen, to);
+  cell = (mesh->s[mesh->cells] - mesh->s[mesh->cells - 1]) * self->seen.length;
+  self->to_lamp = TropismNearLamp(&scene->tropism, from, to);
+  self->blinded =
+      (PetscBool)(self->to_lamp < PetscMax(cell, grow_rule.lamp_near * self->seen.length));
+}
+
+/* GrowTellLamp - the line for a run that ends for that; kept says what is left of it. */
+PetscErrorCode GrowTellLamp(const Grow *self, const char *kept) {
+  char text[2][64];
+
+  PetscFunctionBegin;
+  OptionBoth(self->seen.t, UNIT_TIME, text[0]);
+  OptionBoth(self->to_lamp, UNIT_LENGTH, text[1]);
+  UserCheck(!self->blinded, self->scene->comm,
+            "-tropism_source: stopped at t = %s, where the tip came as near to the lamp as %s: so "
+            "near the direction to it means nothing; %s; end the run before with -ts_max_time or "
+            "-stop_length, or put the lamp farther away",
+            text[0], text[1], kept);
+  PetscFunctionReturn(0);
+}
+
 /*
   GrowTellJam - the line for a rod that is jammed, or that gave up under forces as large: where it
   is pressed in most, and with which push. Collective.

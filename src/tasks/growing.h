@@ -53,9 +53,11 @@ typedef struct {
   int stopped;             /* the signal that all ranks have agreed to stop on */
   PetscLogDouble begin, reported;
   Watch watch;
-  PetscReal shared; /* viscous share of friction that has been told, see LoadShareMore() */
-  PetscBool slips;  /* it does all the same, without end: the run ends for that */
-  PetscBool jammed; /* the run ends for that */
+  PetscReal shared;  /* viscous share of friction that has been told, see LoadShareMore() */
+  PetscBool slips;   /* it does all the same, without end: the run ends for that */
+  PetscBool jammed;  /* the run ends for that */
+  PetscReal to_lamp; /* how near the tip has come to the lamp in the latest step */
+  PetscBool blinded; /* nearer than it can be sensed: the run ends for that */
   Crawl crawl;
   PetscReal force_before; /* on the clamp, of the state before that which was seen last */
   PetscBool crawls;       /* the run ends for that */
@@ -127,6 +129,8 @@ PetscBool GrowSlips(Grow *self);
 PetscBool GrowHeldTwice(const Grow *self);
 PetscBool GrowCrawls(Grow *self);
 PetscBool GrowFindsNoWay(const Grow *self);
+void GrowFollowLamp(Grow *self, const Observation *last);
+PetscErrorCode GrowTellLamp(const Grow *self, const char *kept);
 PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t room);
 
 /* grow_report.c */

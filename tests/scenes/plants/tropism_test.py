@@ -208,6 +208,20 @@ def sensitivities_are_differences():
 
 
 @check
+def a_tip_that_reaches_its_lamp_stops_there():
+    """A straight shoot meets its lamp head-on at length 2, seen from a hundredth of that; one that turns to it arrives, too."""
+    file = str(Path(scene.SCRATCH) / "lamp.h5")
+    line = tendril(f"{STRAIGHT}-growth_type uniform -tropism_light 3 -tropism_source 0,2,0 -clamp_angle {pi / 2!r} -ts_max_time 2 "
+                   f"-ts_adapt_dt_max 1e-3 -rod_cells 200 -output {file}", 1)
+    expect("lamp" in line and "-tropism_source" in line and "stored" in line, line)
+    near("length", scene.read(file)["series/length"][-1], 1.98, 0.003)
+    for model in ("frame", "space"):
+        line = tendril(f"{ROOT}-tropism_light 30 -tropism_source 1.5,0.3 -tropism_proprioception 1 -tropism_sensed tip -ts_max_time 2 "
+                       f"-rod_cells 60 -rod_model {model}", 1)
+        expect("lamp" in line, line)
+
+
+@check
 def options_that_say_nothing_are_refused():
     for options, word in (("-tropism_gravity 1", "-tropism_direction"), ("-tropism_light 1", "-tropism_source"),
                           ("-tropism_gravity 1 -tropism_direction 0,0", "-tropism_direction"),
