@@ -91,6 +91,7 @@ static PetscErrorCode TakeDue(Grow *self, PetscReal t) {
   char name[128];
 
   PetscFunctionBegin;
+  PetscCall(GrowSettle(self, t)); /* what is kept of a run that a row ends can be gone on with */
   while (ChangesNext(list) <= t * (1 + grow_rule.same_time)) {
     const ChangeRow *row = &list->row[list->done];
     (void)snprintf(name, sizeof(name), "-%s", row->what);

@@ -299,6 +299,14 @@ class Played(unittest.TestCase):
             tendril.run(**options, ts_max_time=0.4, change_file=table, output=half)
             on = tendril.run(**options, ts_max_time=1, restart=half, change_file=table, output=os.path.join(directory, "on.h5"))
             self.assertAlmostEqual(on.series["length"][-1], 1 + 0.2 + 0.5 * 0.4 + 2 * 0.4, delta=1e-9)
+            Path(table).write_text("0.2 feed_speed 0.5\n0.6 feed_speed fast\n")
+            with self.assertRaisesRegex(tendril.RunError, "at t = 0.6: feed_speed fast"):
+                tendril.run(**options, ts_max_time=1, change_file=table, output=half)
+            Path(table).write_text("0.2 feed_speed 0.5\n0.6 feed_speed 2\n")
+            mended = tendril.run(**options, ts_max_time=1, restart=half, change_file=table, output=os.path.join(directory, "on.h5"))
+            self.assertAlmostEqual(mended.series["length"][-1], on.series["length"][-1], delta=1e-9)
+            self.assertAlmostEqual(mended.series["energy"][-1] / on.series["energy"][-1], 1, delta=1e-3)
+            self.assertLess(np.abs(mended.series["energy_defect"]).max(), 1e-3)
             for rows in ("0.2 feed_speed 0.7\n", "0.1 feed_speed 0.7\n0.2 feed_speed 0.5\n"):
                 Path(table).write_text(rows)
                 with self.subTest(rows), self.assertRaisesRegex(tendril.RunError, "feed_speed 0.7 was no change of the run that restart"):
