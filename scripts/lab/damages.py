@@ -315,7 +315,7 @@ def judged(code, said, warned, failure):
         return f"unexpected: code {code}: {lines[-1][:200] if lines else ''}"
     if len(lines) != 1:
         return f"{len(lines)} lines: " + " | ".join(lines)[:200]
-    return "line" if re.match(r"(python -m tendril )?[\w.\-/]+: \s*\S", lines[0]) else "no name: " + lines[0][:150]
+    return "line" if re.match(r"(tendril-py |python -m tendril )?[\w.\-/]+: \s*\S", lines[0]) else "no name: " + lines[0][:150]
 
 
 def last_frame(error):

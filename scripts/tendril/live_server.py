@@ -342,7 +342,7 @@ def live(scene=None, *, port=0, results="results/live", move=True, posts=0, **op
 
 
 def main(arguments=None):
-    parser = Parser("tendril-py live", __doc__)
+    parser = Parser("scripts/live.sh", __doc__)
     parser.add_argument("scene", nargs="?", help="an options file, or the name of a scene; without: a page to begin from")
     parser.add_argument("--port", type=int, default=0, help="of the address; default: a free one")
     parser.add_argument("--no-browser", action="store_true", help="opens none")

@@ -93,7 +93,7 @@ IN_COMPANY = {**SETTINGS, "clamp": SETTINGS["clamp"][:2], "length": [""], "newto
               "laboratory": ["", "si_bending_stiffness=1e-4 si_friction_dry=20"]}
 # Something must hold its spin.
 BASE_IN_SPACE = ("-growth_initial_length 2 -shape_amplitude 0.1 -shape_turn 0.5 -friction_radius 0.1 -rod_cells 16 "
-                 "-ts_max_time 0.007 -ts_rtol 1e-4 -ts_max_steps 400")
+                 "-ts_max_time 0.007 -ts_rtol 1e-4 -ts_max_steps 600")
 # A run of a few steps that is asked for this may rightly find no step (its method is not for it), or
 # end where its model ends.
 MAY_GIVE_UP = ("friction_newton=primal", "ts_type=", "pc_type=lu", "ksp_type=gmres", "ts_bdf_order=1",

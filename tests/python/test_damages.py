@@ -147,7 +147,7 @@ class Damages(unittest.TestCase):
             with contextlib.redirect_stderr(io.StringIO()) as said, self.assertRaises(SystemExit) as end:
                 commands.main(words)
             self.assertEqual(end.exception.code, 2)
-            self.assertRegex(said.getvalue(), rf"^scripts/{words[0]}.sh: .*; -h says what there is\n$")
+            self.assertRegex(said.getvalue(), rf"^tendril-py {words[0]}: .*; -h says what there is\n$")
 
     def test_arguments(self):
         """Of each kind: what is one and what is none; None where it may be."""

@@ -123,7 +123,7 @@ const mice = async (u, ...steps) => {
 # What the table of the page says at some times, without a browser.
 TABLE = """
 globalThis.document = { getElementById: () => ({ textContent: require("fs").readFileSync(process.argv[3], "utf8") }) };
-(0, eval)(require("fs").readFileSync(process.argv[1], "utf8") + `
+(0, eval)(["format.js", "data.js"].map((name) => require("fs").readFileSync(process.argv[1] + name, "utf8")).join("") + `
   data.runs.forEach(unpack);
   const [lab, times] = JSON.parse(process.argv[2]);
   state.lab = lab;
@@ -291,7 +291,7 @@ class View(unittest.TestCase):
         page = self.page(runs)
         file = self.place / "content.json"
         file.write_text(re.search(r'(?s)<script id="data" type="application/json">(.*?)</script>', page)[1])
-        done = subprocess.run([NODE, "-e", TABLE, str(ROOT / "scripts/tendril/web/data.js"), json.dumps([lab, times]),
+        done = subprocess.run([NODE, "-e", TABLE, f"{ROOT}/scripts/tendril/web/", json.dumps([lab, times]),
                                str(file)], capture_output=True, text=True, timeout=HANG)
         self.assertEqual(done.returncode, 0, done.stderr[-2000:])
         rows = [text for text, _, _ in content(page)["follows"]]
