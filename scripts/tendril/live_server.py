@@ -15,6 +15,7 @@ import contextlib
 import hmac
 import json
 import secrets
+import shutil
 import signal
 import tempfile
 import threading
@@ -26,11 +27,12 @@ from urllib.parse import parse_qs, urlsplit
 from .command import Parser
 from .errors import TendrilError
 from .playing import prepare
-from .sessions import Session
+from .sessions import Session, thin
 from .starting_page import first_scene, gallery, picture_file
 
 WEB = Path(__file__).resolve().parent / "web"
 LARGEST = 400_000  # bytes of a message: a wall file that is dropped on the page
+MOST_COMMANDS = 1000  # that wait for the end of a step
 FRAMES_A_SECOND = 60
 KINDS = {".h5": "application/x-hdf5", ".png": "image/png", ".gif": "image/gif", ".html": "text/html; charset=utf-8", ".opts": "text/plain; charset=utf-8",
          ".txt": "text/plain; charset=utf-8"}
@@ -57,16 +59,28 @@ class Server:
         self.pages: dict = {}
         self.directory = tempfile.TemporaryDirectory(prefix="tendril-live-")
         self.loop = None
-        self.runs = 0
+        self.runs, self.starting = 0, threading.Lock()
+        self.codes: set[str] = set()  # that open the page once
 
     @property
     def address(self):
         return f"http://{self.host}:{self.port}/?token={self.token}"
 
+    def opening(self):
+        """An address that is good for one look, and leads to the other: what a program is started with others on this machine can
+        read."""
+        code = secrets.token_urlsafe(24)
+        self.codes.add(code)
+        return f"http://{self.host}:{self.port}/?once={code}"
+
     # ---- the run ----
 
     def start(self, scene=None, **options):
         """Begins a run in the place of the present one; what is wrong with it is raised, and leaves that."""
+        with self.starting:
+            self.start_alone(scene, options)
+
+    def start_alone(self, scene, options):
         directory = Path(self.directory.name) / f"run-{self.runs}"
         directory.mkdir()
         self.runs += 1
@@ -74,9 +88,15 @@ class Server:
         session = Session(played, directory, self.publish, self.results)
         before, self.session = self.session, session.begin()
         if before:
-            before.close(0)
+            threading.Thread(target=self.clear, args=(before,), daemon=True, name="tendril live ends").start()
         for page in self.pages.values():
             page.greet()
+
+    @staticmethod
+    def clear(session):
+        """Ends a run that another one has taken the place of, and forgets its states."""
+        session.close(600)
+        shutil.rmtree(session.directory, ignore_errors=True)
 
     def publish(self, message):
         """From the run's thread to all pages, or to one."""
@@ -93,6 +113,12 @@ class Server:
 
     def may(self, path, headers):
         """None, or why a request is refused."""
+        try:
+            return self.judge(path, headers)
+        except (ValueError, LookupError):  # an address that is none, a header twice
+            return "not as a browser asks"
+
+    def judge(self, path, headers):
         query = parse_qs(urlsplit(path).query)
         host = headers.get("Host", "").rsplit(":", 1)[0]
         if host not in (self.host, "localhost", "127.0.0.1", "[::1]"):
@@ -100,7 +126,9 @@ class Server:
         origin = headers.get("Origin")
         if origin is not None and urlsplit(origin).netloc != headers.get("Host", ""):
             return "from another page"
-        if not hmac.compare_digest((query.get("token") or [""])[0].encode(), self.token.encode()):
+        if urlsplit(path).path == "/" and (code := (query.get("once") or [""])[0]) in self.codes:
+            return None
+        if not hmac.compare_digest((query.get("token") or [""])[0].encode(errors="replace"), self.token.encode()):
             return "without the token that is in the address"
         return None
 
@@ -109,6 +137,10 @@ class Server:
         why = self.may(path, headers)
         if why:
             return HTTPStatus.FORBIDDEN, "text/plain; charset=utf-8", f"refused: {why}\n".encode()
+        code = (parse_qs(urlsplit(path).query).get("once") or [""])[0]
+        if code in self.codes:
+            self.codes.discard(code)
+            return HTTPStatus.OK, "text/html; charset=utf-8", f'<meta http-equiv="refresh" content="0; url=/?token={self.token}">'.encode()
         parts = urlsplit(path).path.split("/")[1:]
         if parts == [""]:
             return HTTPStatus.OK, "text/html; charset=utf-8", page_text(self.token).encode()
@@ -160,6 +192,7 @@ class Server:
                 self.hand_out({"kind": "busy", "seconds": round(time.monotonic() - since, 1), "to": None})
 
     async def meet(self, socket):
+        writer = None
         page = OnePage(self, socket, self.runs * 1000 + len(self.pages) + secrets.randbelow(10 ** 9))
         self.pages[page.number] = page
         try:
@@ -171,7 +204,8 @@ class Server:
             page.fault = fault
         finally:
             self.pages.pop(page.number, None)
-            writer.cancel()
+            if writer:
+                writer.cancel()
 
     def close(self):
         """Ends the run behind its step; the file in which it is kept, or None."""
@@ -183,10 +217,10 @@ class Server:
             if session.branch.rows and session.branch.rows[-1][0] > 0:
                 session.save("result")
                 kept = session.written.get(f"{session.played.name}-played.h5")
-                if session.branch.all_changes():
+                if changes := session.table():
                     from .playing import save_scene
 
-                    save_scene(session.played, session.branch.all_changes(), session.results, f"{session.played.name}-played", "as it was left")
+                    save_scene(session.played, changes, session.results, f"{session.played.name}-played", "as it was left")
         with contextlib.suppress(OSError):
             self.directory.cleanup()
         return kept
@@ -215,6 +249,7 @@ class OnePage:
     def take(self, message):
         if message["kind"] == "frame":
             self.rows.extend(message["row"])
+            thin(self.rows)
             self.frame = message
         else:
             if message["kind"] == "whole":
@@ -250,6 +285,8 @@ class OnePage:
             asyncio.ensure_future(self.begin(command))
         elif self.server.session is None:
             self.take({"kind": "refused", "text": "nothing runs yet", "command": command})
+        elif self.server.session.commands.qsize() >= MOST_COMMANDS:
+            self.take({"kind": "refused", "text": "too much is asked for at once; wait for the end of the step", "command": command})
         else:
             self.server.session.do(command)
 
@@ -326,14 +363,14 @@ class Live:
         self.close()
 
     def _repr_html_(self):
-        return f'<iframe src="{self.address}" style="width: 100%; height: 780px; border: 0" title="tendril live"></iframe>'
+        return f'<a href="{self.address}" target="_blank">a run one can touch</a>; in the notebook itself: tendril.widget()'
 
     def __repr__(self):
         return f"<a run one can touch: {self.address.split('?')[0]}>"
 
 
 def live(scene=None, *, port=0, results="results/live", move=True, posts=0, **options) -> Live:
-    """Runs a scene that one can touch in a browser at .address, or in a notebook where it is shown. Scene and options are as for
+    """Runs a scene that one can touch in a browser at .address (in a notebook: widget()). Scene and options are as for
     run().
 
     move   stones of the plane become posts in space, which can be dragged; False: they stand still
@@ -363,7 +400,7 @@ def main(arguments=None):
         print(server.address, flush=True)
         print("live: open this in a browser; Ctrl-C ends it", flush=True)
         if not choice.no_browser:
-            threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
+            threading.Thread(target=webbrowser.open, args=(server.opening(),), daemon=True).start()
 
     async def run():
         stop = asyncio.Event()

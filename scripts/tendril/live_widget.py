@@ -13,7 +13,7 @@ from pathlib import Path
 from .errors import TendrilError
 from .live_server import WEB
 from .playing import prepare
-from .sessions import Session
+from .sessions import Session, thin
 
 FRAMES_A_SECOND = 20
 
@@ -42,6 +42,7 @@ class Sender:
         with self.lock:
             if message["kind"] == "frame":
                 self.rows.extend(message["row"])
+                thin(self.rows)
                 self.frame = message
             else:
                 self.waiting.append(message)

@@ -213,6 +213,14 @@ def may_lead_tip(played):
 # ---- what was done, as a scene file ----
 
 
+def said_rows(played) -> list[tuple[str, str, str]]:
+    """The rows of -change_file, as they stand there."""
+    if "change_file" not in played.options:
+        return []
+    lines = (line.partition("#")[0].split(None, 2) for line in Path(played.options["change_file"]).read_text(encoding="utf-8-sig").splitlines())
+    return [(t, what.lstrip("-"), value.strip()) for t, what, value in (line for line in lines if line)]
+
+
 def names_file(words, folder):
     """Files that stand in a line of a wall file, beside it."""
     return [word for word in words if not NUMBER.fullmatch(word) and (folder / word).is_file()]
@@ -252,7 +260,7 @@ def save_scene(played, changes, directory, name, said="") -> Path:
             value = copied(value, to)
         lines.append(f"-{option} {value}".rstrip())
     if changes:
-        rows = "".join(f"{t!r} {what} {value}\n" for t, what, value in changes)
+        rows = "".join(f"{t} {what} {value}\n" for t, what, value in changes)
         (to / "changes.txt").write_text("# t, what was changed, to what (docs/live.md)\n" + rows)
         lines.append("-change_file changes.txt")
     file = to / f"{name}.opts"

@@ -7,18 +7,20 @@ import queue
 import threading
 import time
 from array import array
-from collections import deque
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from .errors import RunError, TendrilError
-from .playing import NUMBER, Played, controls, may_lead_tip, save_scene
+from .playing import NUMBER, Played, controls, may_lead_tip, said_rows, save_scene
 from .simulation import BY_WORDS, Simulation
 
 KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
 UNHURRIED = 20  # seconds that a run takes at first, if it can
+ROWS = 3000  # of the series that a page is shown; twice as many are kept, the run itself has all
+HAPPENINGS = 500  # the latest that are kept
 FRAMES = 240  # of a branch that are kept, to be looked at
 TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
 SLOW = 0.7  # seconds: a step that takes longer is told
@@ -35,10 +37,16 @@ class Branch:
     since: float = 0.0  # when it parted
     changes: list = field(default_factory=list)  # (t, what, value)
     kept: list = field(default_factory=list)  # (t, file): states to go back to
-    rows: list = field(default_factory=list)  # of the series, all of them from the beginning
+    times: array = field(default_factory=lambda: array("d"))  # at which its steps ended, from the beginning
+    rows: list = field(default_factory=list)  # of the series, thinned, from the beginning; the last is always there
     frames: list = field(default_factory=list)  # (t, frame), from the beginning
     happened: list = field(default_factory=list)  # (t, text)
     ended: str = ""
+
+    def add(self, row):
+        self.times.append(row[0])
+        self.rows.append(array("d", row))
+        thin(self.rows)
 
     def all_changes(self, until=np.inf):
         """From the beginning, those in force at a time."""
@@ -50,6 +58,12 @@ class Branch:
         own = [k for k in self.kept if k[0] <= until]
         before = self.parent.states(min(until, self.since)) if self.parent else []
         return sorted(own + before, key=lambda k: -k[0])
+
+
+def thin(rows):
+    """Leaves out every other row of a list that has become long, but neither the first nor the last."""
+    if len(rows) > 2 * ROWS:
+        del rows[1:-1:2]
 
 
 class Session:
@@ -156,7 +170,7 @@ class Session:
             if action is None:
                 raise TendrilError(f"{command.get('do')}: is nothing that a run can do")
             answer = action(command)
-        except (TendrilError, OSError, ValueError, TypeError, KeyError, IndexError) as fault:
+        except Exception as fault:  # whatever a page has sent: the run goes on
             self.publish({"kind": "refused", "command": command, "text": str(fault) or type(fault).__name__, "to": command.get("from")})
             return
         if answer:
@@ -298,7 +312,7 @@ class Session:
 
     def change(self, what, value):
         with self.lock:
-            self.sim.set(what, value if what in BY_WORDS or "," in value else float(value))
+            set_in(self.sim, what, value)
             self.branch.changes.append((self.sim.t, what, value))
             self.branch.ended = ""
         self.look()
@@ -348,7 +362,7 @@ class Session:
         if not 0 <= t <= (branch.rows[-1][0] if branch.rows else 0) * (1 + 1e-12):
             raise TendrilError(f"t = {t:g}: this branch has not been there")
         self.running = False
-        times = np.array([row[0] for row in branch.rows])
+        times = np.array(branch.times)
         t = float(times[np.searchsorted(times, t * (1 + 1e-14), side="right") - 1])  # a step ended there
         changes = branch.all_changes(t) if but is None else but
         new = Branch(1 + max(b.number for b in self.branches), branch, t)
@@ -356,7 +370,10 @@ class Session:
             new.parent, new.since, new.changes = None, 0.0, list(but)
         self.go_to(branch, t, changes)
         now = self.sim.t
+        new.times = array("d", times[times <= now])
         new.rows = [row for row in branch.rows if row[0] <= now]
+        if len(new.times) and (not new.rows or new.rows[-1][0] < now):
+            new.rows.append(array("d", [self.sim.series[name][-1] for name in self.names]))
         new.frames = [frame for frame in branch.frames if frame[0] <= now]
         new.happened = [what for what in branch.happened if what[0] <= now]
         self.branches.append(new)
@@ -366,24 +383,26 @@ class Session:
 
     def go_to(self, branch, t, changes):
         """The simulation at a time at which a step of this branch ended, with these changes."""
-        state = next((k for k in branch.states(t) if not any(c[0] <= k[0] for c in branch.all_changes() if c not in changes)), None)
-        with self.lock:
-            self.sim = None
-            self.sim = Simulation.load(state[1]) if state else Simulation(**self.played.options)
-            done = [c for c in changes if state and c[0] < state[0]]
-            left = [c for c in changes if not state or c[0] >= state[0]]
-            if state:  # those of its own time may be in it
-                count = sum(1 for line in saved_changes(state[1]))
-                left = changes[count:]
-                done = changes[:count]
-            while True:
-                while left and left[0][0] <= self.sim.t * (1 + 1e-13):
-                    _, what, value = left.pop(0)
-                    self.sim.set(what, value if what in BY_WORDS or "," in value else float(value))
-                if self.sim.t >= t * (1 - 1e-13) or not self.sim.step():
-                    break
+        # a state from which a step leads on before anything is changed: what is estimated of errors stands on the step before
+        state = next((k for k in branch.states(t) if k[0] < t and not any(c[0] == k[0] for c in changes) and
+                      not any(c[0] <= k[0] for c in branch.all_changes() if c not in changes)), None)
+        sim = Simulation.load(state[1]) if state else Simulation(**self.played.options)
+        saved = Counter((t, what) for t, what, _ in saved_changes(state[1])) if state else Counter()
+        left = []
+        for change in changes:  # those that the state has, beside rows of -change_file, are done
+            if saved[change[:2]] > 0:
+                saved[change[:2]] -= 1
+            else:
+                left.append(change)
+        while True:
+            while left and left[0][0] <= sim.t * (1 + 1e-13):
+                set_in(sim, *left.pop(0)[1:])
+            if sim.t >= t * (1 - 1e-13) or not sim.step():
+                break
+        with self.lock:  # (where that failed the run is where it was)
+            self.sim = sim
         self.before = None
-        self.replay_values(done + changes)
+        self.replay_values(changes)
 
     def replay_values(self, changes):
         """What controls and walls show, from the changes in force."""
@@ -408,14 +427,14 @@ class Session:
         took, self.slowest, self.unseen, self.looked = self.slowest, 0.0, False, time.monotonic()
         with self.lock:
             sim = self.sim
-            have = len(self.branch.rows) if new else len(sim.series["t"])
+            have = len(self.branch.times) if new else len(sim.series["t"])
             rows = np.column_stack([sim.series[name][have:] for name in self.names]).tolist()
             t = sim.t
             frame = frame_of(sim, self.before, t)
             self.before = sim.nodes, t
         for row in rows:
             last = self.branch.rows[-1] if self.branch.rows else None
-            self.branch.rows.append(array("d", row))
+            self.branch.add(row)
             self.note(row, last, took if row is rows[-1] else 0.0)
         if new:
             self.keep_frame(t, frame)
@@ -435,7 +454,7 @@ class Session:
 
     def walls_now(self, t):
         """How far each wall is displaced, by line."""
-        return {str(line): shift for line, shift in shifts_at(self.branch.all_changes(), t).items()}
+        return {str(line): shift for line, shift in shifts_at(self.plain_rows() + self.branch.all_changes(), t).items()}
 
     def speed(self):
         """(steps, iterations) a second, of the last two seconds."""
@@ -449,6 +468,7 @@ class Session:
     def happened(self, text):
         t = self.branch.rows[-1][0] if self.branch.rows else 0.0
         self.branch.happened.append((t, text))
+        del self.branch.happened[:-HAPPENINGS]
         self.publish({"kind": "happened", "t": t, "text": text, "branch": self.branch.number, "to": None})
 
     def note(self, row, before, took):
@@ -494,7 +514,7 @@ class Session:
     def whole(self):
         """All there is of the present branch, for a page that has just come."""
         rows = self.branch.rows
-        step = max(1, len(rows) // 3000)
+        step = max(1, len(rows) // ROWS)
         shown = rows[::step] + ([rows[-1]] if rows and (len(rows) - 1) % step else [])
         return {"kind": "whole", "names": self.names, "rows": [list(row) for row in shown], "frames": [[t, f] for t, f in self.branch.frames],
                 "happened": [list(h) for h in self.branch.happened], "walls": self.walls_now(self.branch.rows[-1][0] if rows else 0.0),
@@ -535,14 +555,31 @@ class Session:
         self.written[to.name] = to
         return f"{to} is written"
 
+    def plain_rows(self):
+        """Rows of -change_file that move walls, if they are plain numbers."""
+        rows = [row for row in said_rows(self.played) if row[1] in ("wall_to", "wall_at") and all(NUMBER.fullmatch(w) for w in (row[0], *row[2].split()))]
+        return [(float(t), what, value) for t, what, value in rows]
+
+    def table(self):
+        """All that changes in this run, (t, what, value): what -change_file said, and what was changed here."""
+        changes, said = self.branch.all_changes(), said_rows(self.played)
+        if not said:
+            return changes
+        file = self.directory / "table.h5"
+        with self.lock:
+            self.sim.save(file)
+        done = saved_changes(file)
+        return done + said[len(done) - len(changes):]
+
     def save_played(self, name):
-        changes = self.branch.all_changes()
+        changes = self.table()
         said = f"{self.played.name}, as it was played: {len(changes)} changes (docs/live.md)"
         file = save_scene(self.played, changes, self.results, name, said)
         self.written[file.name] = file
         if (file.parent / "changes.txt").exists():
             self.written["changes.txt"] = file.parent / "changes.txt"
-        rows = [list(row) for row in self.branch.rows]
+        with self.lock:
+            rows = np.column_stack([self.sim.series[name] for name in self.names])
         threading.Thread(target=self.check, args=(file, rows), daemon=True, name="tendril check").start()
         return f"{file} is written; the program is run with it to compare"
 
@@ -629,15 +666,20 @@ def drawn_walls(session):
     return found
 
 
+def set_in(sim, what, value):
+    sim.set(what, value if what in BY_WORDS or "," in value else float(value))
+
+
 def saved_changes(file):
-    """The lines of what was changed in the run of a result file."""
+    """What was changed in the run of a result file, (t, what, value)."""
     import h5py
 
     with h5py.File(file, "r", locking=False) as f:
         if "changes" not in f:
             return []
         text = f["changes"][()]
-        return (text.decode() if isinstance(text, bytes) else str(text)).strip().splitlines()
+        lines = (text.decode() if isinstance(text, bytes) else str(text)).strip().splitlines()
+    return [(float(t), what, value) for t, what, value in (line.split(None, 2) for line in lines)]
 
 
 def shifts_at(changes, t):

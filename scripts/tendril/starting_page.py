@@ -33,6 +33,8 @@ WALLS = """# a wall a line, lengths with units; the clamp is at 0 0
 circle 6cm 1.2cm 8mm outside
 circle 8cm -1.4cm 8mm outside
 """
+# of walls; another word would name a file, and none of the host's is read for a page
+WORDS = frozenset("plane circle polygon path sphere cylinder cone torus tube inside outside friction radius moves turns at spin about".split())
 
 
 class FieldError(TendrilError):
@@ -104,8 +106,13 @@ def options_of(form, directory) -> dict:
         options[name] = f"0,-{value}" if name == "rod_weight" else value
     walls = str(form.get("walls", ""))
     if any(line.partition("#")[0].split() for line in walls.splitlines()):
+        for k, line in enumerate(walls.splitlines(), 1):
+            for word in line.partition("#")[0].replace(",", " ").split():
+                if word not in WORDS and not re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?([a-zA-Zµ°]+([/^]-?\w+)*)?", word):
+                    raise FieldError(f"walls, line {k}: {word[:40]!r} is neither a number nor a word of a wall; walls that lie in files of "
+                                     "their own are for the command line: -wall_file, and tendril-py live SCENE", "walls")
         file = Path(directory) / "walls.txt"
-        file.write_text(walls[:200_000])
+        file.write_text(walls)
         options["wall_file"] = str(file)
     else:
         options.pop("contact_diameter", None)

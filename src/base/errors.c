@@ -30,7 +30,8 @@ static void EndAll(MPI_Comm comm, PetscErrorCode n) {
 }
 
 static void Say(PetscErrorCode n, const char *message, PetscBool keep) {
-  const char *const about = n == TENDRIL_ERR_USER ? "" : "an option is not as PETSc needs it: ";
+  const char *const about =
+      n == TENDRIL_ERR_USER ? now->about : "an option is not as PETSc needs it: ";
   if (keep)
     (void)snprintf(now->message, sizeof(now->message), "%s%s", about, message);
   else
@@ -116,7 +117,7 @@ PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state) {
 PetscErrorCode ErrorsEnter(ErrorState *state) {
   PetscFunctionBegin;
   state->said = PETSC_FALSE;
-  state->message[0] = 0;
+  state->message[0] = state->about[0] = 0;
   state->outer = now;
   now = state;
   PetscCall(PetscPushErrorHandler(Handle, NULL));
@@ -129,6 +130,11 @@ PetscErrorCode ErrorsEnd(void) {
   PetscCall(PetscPopErrorHandler());
   now = now->outer;
   PetscFunctionReturn(0);
+}
+
+/* ErrorsAbout - what stands before the line of a user's mistake from here on; "": nothing. */
+void ErrorsAbout(const char *about) {
+  if (now) (void)snprintf(now->about, sizeof(now->about), "%s", about);
 }
 
 /* ErrorsOptionsRead - the options are read and the solvers set up: from here on an error of PETSc

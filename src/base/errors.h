@@ -17,6 +17,7 @@ typedef struct ErrorState {
   PetscBool reading; /* options are being read: any error of PETSc is about one of them */
   PetscBool said;    /* the line is out */
   PetscBool keep;    /* keeps the line in message instead of printing it */
+  char about[96];    /* stands before a line about an option: where that was asked for */
   char message[1024];
   struct ErrorState *outer;
 } ErrorState;
@@ -24,6 +25,7 @@ typedef struct ErrorState {
 PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state);
 PetscErrorCode ErrorsEnter(ErrorState *state);
 PetscErrorCode ErrorsEnd(void);
+void ErrorsAbout(const char *about);
 void ErrorsOptionsRead(void);
 void ErrorsLastWords(void);
 

@@ -28,6 +28,7 @@ PetscErrorCode TextRead(const char *option, const char *file, char **text) {
   if (rank) PetscCall(PetscMalloc1(size + 1, text));
   PetscCallMPI(MPI_Bcast(*text, size, MPI_CHAR, 0, OptionsComm()));
   (*text)[size] = 0;
+  UserCheck(strlen(*text) == (size_t)size, OptionsComm(), "%s %s: is no text", option, file);
   PetscFunctionReturn(0);
 }
 

@@ -470,22 +470,48 @@ PetscBool SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
   return PETSC_TRUE;
 }
 
-/* SceneChangesCheck - refuses rows to come that no run can have. Collective. */
-PetscErrorCode SceneChangesCheck(Scene scene) {
-  const Changes list = scene->changes;
-  char all[512], text[64];
+/* SceneChangeAbout - lines about mistakes name the row; NULL: no longer. */
+void SceneChangeAbout(const ChangeRow *row) {
+  char text[96] = "", t[64];
+
+  if (row)
+    (void)snprintf(text, sizeof(text),
+                   "-change_file: at t = %s: ", OptionBoth(row->t, UNIT_TIME, t));
+  ErrorsAbout(text);
+}
+
+static PetscErrorCode CheckRow(Scene scene, const ChangeRow *row, PetscReal from) {
+  const Change *change = Find(row->what);
+  const char *why = change && change->refuses ? change->refuses(scene, row->t) : NULL;
+  char all[512], text[64], *words = NULL;
+  PetscErrorCode error;
+  Asked asked;
 
   PetscFunctionBegin;
   Names(all, sizeof(all));
+  UserCheck(change, scene->comm, "%s cannot be changed in a run; there can %s", row->what, all);
+  UserCheck(!why, scene->comm, "%s cannot be changed in this run: %s", row->what, why);
+  UserCheck(row->t >= from, scene->comm,
+            "%s %s was no change of the run that -restart goes on with at t = %s; take the row "
+            "out, or begin that run anew",
+            row->what, row->value, OptionBoth(from, UNIT_TIME, text));
+  error = TakeWords(scene, change, row->value, &words, &asked);
+  PetscCall(PetscFree(words));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/* SceneChangesCheck - refuses rows to come that no run can have.
+
+   from  when the run begins: what another one did before is in force already. Collective. */
+PetscErrorCode SceneChangesCheck(Scene scene, PetscReal from) {
+  const Changes list = scene->changes;
+
+  PetscFunctionBegin;
   for (PetscInt k = list ? list->done : 0; list && k < list->n; k++) {
-    const ChangeRow *row = &list->row[k];
-    const Change *change = Find(row->what);
-    const char *why = change && change->refuses ? change->refuses(scene, row->t) : NULL;
-    UserCheck(change, scene->comm,
-              "-change_file: at t = %s: %s cannot be changed in a run; there can %s",
-              OptionBoth(row->t, UNIT_TIME, text), row->what, all);
-    UserCheck(!why, scene->comm, "-change_file: at t = %s: %s cannot be changed in this run: %s",
-              OptionBoth(row->t, UNIT_TIME, text), row->what, why);
+    SceneChangeAbout(&list->row[k]);
+    PetscCall(CheckRow(scene, &list->row[k], from));
   }
+  SceneChangeAbout(NULL);
   PetscFunctionReturn(0);
 }

@@ -9,6 +9,7 @@ PetscErrorCode SceneMayChange(Scene scene, const char *name, const char *value, 
 PetscErrorCode SceneChange(Scene scene, const char *name, const char *value, PetscReal t);
 PetscBool SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
                        const PetscReal x[][3]);
-PetscErrorCode SceneChangesCheck(Scene scene);
+PetscErrorCode SceneChangesCheck(Scene scene, PetscReal from);
+void SceneChangeAbout(const ChangeRow *row);
 
 #endif

@@ -324,6 +324,7 @@ static PetscErrorCode Follow(Grow *self) {
     PetscCall(AfterSolve(self));
   }
   PetscCall(GrowProgress(self, PETSC_TRUE));
+  PetscCall(GrowTellNotReached(self));
   PetscFunctionReturn(0);
 }
 

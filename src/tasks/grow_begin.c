@@ -224,7 +224,7 @@ PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
     PetscCall(EstimateCreate(&self->leg[GrowWholeModel(self)], &self->estimate));
   PetscCall(GrowSensitivitiesCreate(self, output, restart));
   PetscCall(OptionsRefuseUnread());
-  PetscCall(SceneChangesCheck(self->scene));
+  PetscCall(SceneChangesCheck(self->scene, begun ? state.t * (1 - grow_rule.same_time) : 0));
   UserCheck(!self->sensitivities || !self->scene->changes, self->scene->comm,
             "-sensitivity: is not known of a run in which something is changed; take it, or "
             "-change_file, out");

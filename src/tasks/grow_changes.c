@@ -94,9 +94,25 @@ static PetscErrorCode TakeDue(Grow *self, PetscReal t) {
   while (ChangesNext(list) <= t * (1 + grow_rule.same_time)) {
     const ChangeRow *row = &list->row[list->done];
     (void)snprintf(name, sizeof(name), "-%s", row->what);
+    SceneChangeAbout(row);
     PetscCall(GrowApply(self, name, row->value, t));
+    SceneChangeAbout(NULL);
     list->done++;
   }
+  PetscFunctionReturn(0);
+}
+
+/* GrowTellNotReached - says it where the run has ended before what -change_file says was due.
+   Collective. */
+PetscErrorCode GrowTellNotReached(Grow *self) {
+  const PetscReal next = ChangesNext(self->scene->changes);
+  char text[64];
+
+  PetscFunctionBegin;
+  if (next == PETSC_MAX_REAL || self->quiet) PetscFunctionReturn(0);
+  PetscCall(PetscPrintf(self->scene->comm,
+                        "-change_file: the run ended before what changes from t = %s on\n",
+                        OptionBoth(next, UNIT_TIME, text)));
   PetscFunctionReturn(0);
 }
 

@@ -110,6 +110,7 @@ PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
 /* grow_changes.c */
 PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);
 PetscErrorCode GrowStepOn(Grow *self, PetscReal until);
+PetscErrorCode GrowTellNotReached(Grow *self);
 
 /* grow_errors.c */
 void GrowCross(Grow *self, const Observation *last, PetscReal before, PetscBool layered);

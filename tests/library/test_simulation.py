@@ -283,11 +283,26 @@ class Played(unittest.TestCase):
             with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
                 sim.set(name, value)
         for text, line in (("1 rod_cells 5", "cannot be changed in a run"), ("1 tip_to 2 1 0", "the tip is free"), ("tip_force", "give a time"),
-                           ("2 tip_force 1\n1 tip_force 2", "must not decrease"), ("# none", "no change in it")):
+                           ("2 tip_force 1\n1 tip_force 2", "must not decrease"), ("# none", "no change in it"),
+                           ("0.5 wall_to 1 2", "at t = 0.5: wall_to 1 2: give LINE"), ("0.01 tip_force much", "at t = 0.01: tip_force much: give a number"),
+                           ("0.5 tip_force 1\0", "is no text")):
             with self.subTest(text), tempfile.TemporaryDirectory() as directory, self.assertRaisesRegex(tendril.RunError, line):
                 table = os.path.join(directory, "changes.txt")
                 Path(table).write_text(text + "\n")
                 tendril.run(**options | dict(rod_cells=60), change_file=table)
+
+    def test_a_change_before_a_restart_is_one_of_that_run(self):
+        with tempfile.TemporaryDirectory() as directory:
+            half, table = os.path.join(directory, "half.h5"), os.path.join(directory, "changes.txt")
+            options = dict(growth_type="feed", growth_initial_length=1, rod_cells=40, shape_amplitude=0.05)
+            Path(table).write_text("\ufeff0.2 feed_speed 0.5\n0.6 feed_speed 2\n")
+            tendril.run(**options, ts_max_time=0.4, change_file=table, output=half)
+            on = tendril.run(**options, ts_max_time=1, restart=half, change_file=table, output=os.path.join(directory, "on.h5"))
+            self.assertAlmostEqual(on.series["length"][-1], 1 + 0.2 + 0.5 * 0.4 + 2 * 0.4, delta=1e-9)
+            for rows in ("0.2 feed_speed 0.7\n", "0.1 feed_speed 0.7\n0.2 feed_speed 0.5\n"):
+                Path(table).write_text(rows)
+                with self.subTest(rows), self.assertRaisesRegex(tendril.RunError, "feed_speed 0.7 was no change of the run that restart"):
+                    tendril.run(**options, ts_max_time=1, restart=half, change_file=table, output=os.path.join(directory, "no.h5"))
 
 
 class Saved(unittest.TestCase):

@@ -104,6 +104,8 @@ class Faults(Live):
         self.assertEqual(self.status("?token=" + 32 * "a"), 403)
         self.assertEqual(self.status(f"?{self.query}", {"Host": "rebound.example:80"}), 403)
         self.assertEqual(self.status(f"?{self.query}", {"Origin": "http://evil.example"}), 403)
+        for path in ("?token=%ff", "?token=%ed%a0%80", "?once=no", "/[?token=x", "//[::"):
+            self.assertEqual(self.status(path), 403, path)
         for origin, query in (("http://evil.example", self.query), (None, "token=no"), (self.base.rstrip("/"), "")):
             with self.subTest(origin), self.assertRaises(InvalidStatus):
                 connect(f"{self.base.replace('http', 'ws')}ws?{query}", origin=origin)
@@ -116,6 +118,9 @@ class Faults(Live):
         self.assertEqual(self.status(f"picture/feed.png?{self.query}"), 200)
         with self.socket() as socket:
             told(socket, "whole")
+            for line, word in (("tube /etc/passwd inside", "/etc/passwd"), ("body secret.h5 inside", "body"), ("sphere 1 1 1 1 outside moves ../../path.txt", "path.txt")):
+                socket.send(json.dumps({"do": "draw", "form": {"growth_type": "feed", "contact_diameter": "1mm", "walls": line}}))
+                self.assertRegex(told(socket, "refused", field="walls")["text"], f"line 1: .*{word}.* neither a number nor a word")
             for what in ("../../mine", "scene\n", 7, None, ["scene"]):
                 socket.send(json.dumps({"do": "save", "what": [what]}))
                 self.assertIn("give scene", told(socket, "refused")["text"])
@@ -127,6 +132,7 @@ class Faults(Live):
             before = told(socket, "whole")
             for text in ("", "{", "[]", "7", '"run"', '{"do": 7}', '{"do": "__init__"}', '{"do": "loop"}', '{"do": "fly"}', "[" * 5000,
                          '{"do": "set", "name": "rod_cells", "value": 5}', '{"do": "set", "name": "feed_speed", "value": "fast"}',
+                         '{"do": "set", "name": "feed_speed", "value": 1' + 400 * "0" + "}", '{"do": "pace", "pace": 1' + 400 * "0" + "}",
                          '{"do": "set", "name": "feed_speed", "value": NaN}', '{"do": "set", "name": "feed_speed"}', '{"do": "wall", "line": 99, "shift": [0, 0]}',
                          '{"do": "wall", "line": 1, "shift": ["a", 0]}', '{"do": "hand", "force": "up"}', '{"do": "back", "t": 1e9}', '{"do": "pace", "pace": -1}',
                          '{"do": "branch", "branch": 77}', '{"do": "lead", "place": [1, 0]}', '{"do": "set", "name": "wall_friction 1", "value": -1}'):
@@ -163,6 +169,14 @@ class Faults(Live):
         self.assertTrue(all(whole["t"] > 0 for whole in wholes))
         self.assertGreaterEqual(min(times), max(whole["t"] for whole in wholes))
 
+    def test_what_opens_the_page_is_good_for_one_look(self):
+        path = self.live.server.opening()[len(self.base):]
+        self.assertNotIn(self.live.server.token, path)
+        with urllib.request.urlopen(self.base + path) as answer:
+            self.assertIn(self.query, answer.read().decode())
+        self.assertEqual(self.status(path), 403)
+        self.assertEqual(self.status(path, {"Host": "rebound.example"}), 403)
+
     def test_a_form_names_the_field_that_is_wrong(self):
         from tendril.starting_page import first_scene
 
@@ -177,6 +191,56 @@ class Faults(Live):
                 with self.subTest(value):
                     socket.send(json.dumps({"do": "draw", "form": form | {name: value}}))
                     self.assertEqual(told(socket, "refused")["field"], name)
+
+
+class Sessions(unittest.TestCase):
+    """Without a page."""
+
+    def test_a_scene_with_a_table_is_gone_on_with_back_in_and_saved(self):
+        from tendril.playing import prepare
+        from tendril.sessions import Session, differs
+
+        with tempfile.TemporaryDirectory() as directory:
+            place = Path(directory)
+            (place / "said.txt").write_text("# t\n0.2 feed_speed 0.5\n0.9 feed_speed 0.25 # slower\n")
+            session = Session(prepare(None, STONES | dict(wall_file=["plane 0 -5 0 1"], change_file=str(place / "said.txt"), ts_max_time=1.2), place), place, results=place)
+
+            def until(t):
+                while session.sim.t < t and not session.branch.ended:
+                    session.step()
+                    session.look()
+
+            until(0.3)
+            session.do_set({"name": "friction_factor", "value": 2})
+            for t in (0.45, 0.5):  # one at a change, one before it
+                until(t)
+                session.branch.kept.append((session.sim.t, place / f"kept-{t}.h5"))
+                session.sim.save(session.branch.kept[-1][1])
+            session.do_set({"name": "friction_factor", "value": 3})
+            until(0.8)
+            for t, undo in ((0.7, False), (None, True)):
+                if undo:
+                    session.obey({"do": "undo"})
+                    self.assertEqual([float(c[2]) for c in session.branch.all_changes()], [2.0])
+                else:
+                    session.obey({"do": "back", "t": t})
+                    self.assertEqual([float(c[2]) for c in session.branch.all_changes()], [2.0, 3.0])
+                until(2)
+                self.assertAlmostEqual(session.sim.series["length"][-1], 1 + 0.2 + 0.5 * 0.7 + 0.25 * 0.3, delta=1e-9)
+                self.assertEqual(len(session.table()), 4 - undo)
+                session.save_played("again")
+                rows = np.column_stack([session.sim.series[name] for name in session.names])
+                self.assertEqual(differs(place / "again" / "again.opts", session.names, rows, place)[0], 0)
+
+    def test_what_is_kept_for_pages_is_bounded(self):
+        from tendril import sessions
+
+        branch = sessions.Branch(0)
+        for k in range(20_000):
+            branch.add([float(k), 0.0])
+        self.assertEqual((len(branch.times), branch.rows[0][0], branch.rows[-1][0]), (20_000, 0, 19_999))
+        self.assertLessEqual(len(branch.rows), 2 * sessions.ROWS)
+        self.assertLess(np.diff([row[0] for row in branch.rows]).max(), 40)
 
 
 class Command(unittest.TestCase):
