@@ -230,7 +230,7 @@ def copied(path, to) -> str:
     """The name of a copy of a file in a directory, and of what a wall file names there."""
     path, to = Path(path), Path(to)
     name = path.name
-    if (to / name).exists() and (to / name).read_bytes() != path.read_bytes():
+    while (to / name).exists() and (to / name).read_bytes() != path.read_bytes():
         name = f"{to.name}-{name}"
     shutil.copyfile(path, to / name)
     return name
@@ -246,16 +246,14 @@ def save_scene(played, changes, directory, name, said="") -> Path:
         if option == "change_file":
             continue
         if option == "wall_file":
-            folder = Path(value).parent
-            for wall in played.walls:
-                for inner in names_file(wall.words[1:], folder):
-                    shutil.copyfile(folder / inner, to / Path(inner).name)
-            text = Path(value).read_text()
-            for wall in played.walls:
-                for inner in names_file(wall.words[1:], folder):
-                    text = text.replace(inner, Path(inner).name)
+            folder, rows = Path(value).parent, Path(value).read_text().splitlines()
             value = "walls.txt"
-            (to / value).write_text(text)
+            (to / value).write_text("\n".join(rows) + "\n")  # so that no copy takes its name
+            for wall in played.walls:
+                for inner in names_file(wall.words[1:], folder):
+                    row = [copied(folder / inner, to) if word == inner else word for word in rows[wall.line - 1].partition("#")[0].replace(",", " ").split()]
+                    rows[wall.line - 1] = " ".join(row)
+            (to / value).write_text("\n".join(rows) + "\n")
         elif option in FILES:
             value = copied(value, to)
         lines.append(f"-{option} {value}".rstrip())

@@ -232,6 +232,20 @@ class Sessions(unittest.TestCase):
                 rows = np.column_stack([session.sim.series[name] for name in session.names])
                 self.assertEqual(differs(place / "again" / "again.opts", session.names, rows, place)[0], 0)
 
+    def test_a_saved_scene_has_all_files_that_its_walls_name(self):
+        from tendril.playing import prepare, save_scene
+
+        with tempfile.TemporaryDirectory() as directory:
+            place = Path(directory)
+            for k in (1, 2):
+                (place / f"d{k}").mkdir()
+                (place / f"d{k}" / ("walls.txt" if k == 1 else "duct.csv")).write_text(f"x1,x2,x3,radius\n0,0,0,0.{k}\n1,0,0,0.{k}\n")
+            (place / "walls.txt").write_text("tube d1/walls.txt inside # d1\n\ntube d2/duct.csv inside friction 0.1\n")
+            file = save_scene(prepare(None, {"wall_file": str(place / "walls.txt")}, place), [], place, "saved")
+            rows = (file.parent / "walls.txt").read_text().splitlines()
+            self.assertEqual([(file.parent / rows[k].split()[1]).read_text() for k in (0, 2)], [(place / "d1/walls.txt").read_text(), (place / "d2/duct.csv").read_text()])
+            self.assertEqual(rows[2].split()[2:], ["inside", "friction", "0.1"])
+
     def test_what_is_kept_for_pages_is_bounded(self):
         from tendril import sessions
 
