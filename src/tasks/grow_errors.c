@@ -121,7 +121,8 @@ static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
   A mode that grows does that. Its errors are larger by then than what it has moved itself, so they
   say to which side the rod goes; it comes to rest there, and the errors that are carried along
   fade, as if nothing had been. (A touch or a snap that comes a little too soon makes errors as
-  large, but those fade for good.) So what is told later is not less than these.
+  large, but those fade for good; and of |x2| alone they say nothing: a rod that is held straight at
+  both ends leaves round-off across.) So what is told later is not less than these.
 */
 static void LookForSide(Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN],
                         const PetscReal off[ESTIMATE_SEEN], PetscBool happens) {
@@ -129,11 +130,13 @@ static void LookForSide(Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
   const PetscReal t = self->seen.t;
   const PetscBool explained =
       (PetscBool)(self->kept.event_is && t - self->kept.event_at <= grow_rule.reason_within * t);
+  int all = 0; /* how much of what is seen is no longer known */
 
+  for (int k = 0; k < ESTIMATE_SEEN; k++) all += off[k] >= 1;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     const PetscBool goes =
-        (PetscBool)(!explained && !EstimateIsEarly(self->estimate, t, k) && off[k] >= 1 &&
-                    off[k] >= grow_rule.reason_grown * astray->before[1][k]);
+        (PetscBool)(!explained && all > 1 && !EstimateIsEarly(self->estimate, t, k) &&
+                    off[k] >= 1 && off[k] >= grow_rule.reason_grown * astray->before[1][k]);
     if (happens && astray->at[k] > 0 && t - astray->at[k] <= grow_rule.reason_at_once * t)
       astray->at[k] = 0;
     if (goes && astray->at[k] == 0) astray->at[k] = t;
