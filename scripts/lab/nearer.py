@@ -91,6 +91,7 @@ def picture(rows, file):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.5), sharey=True)
     for panel, cost, label in ((axes[0], "iterations", "Newton iterations"), (axes[1], "seconds", "seconds of user time")):
         for k, (name, row) in enumerate(rows.items()):
@@ -100,6 +101,9 @@ def picture(rows, file):
             if len(points) > 1:
                 panel.loglog(*points[0], "o", mfc="white", color=f"C{k}")
         panel.set_xlabel(label)
+        panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        panel.xaxis.set_major_formatter(ScalarFormatter())
+        panel.xaxis.set_minor_formatter(NullFormatter())
     axes[0].set_ylabel("largest error: tip, energy; median, end")
     axes[1].legend(fontsize=8, title="full: now; hollow: before", title_fontsize=8)
     figure.tight_layout()
