@@ -307,7 +307,7 @@ def page_text(token):
         return "".join((WEB / name).read_text(encoding="utf-8") for name in names)
 
     parts = {"style": text("uplot/uPlot.min.css", "page.css", "live.css"), "uplot": text("uplot/uPlot.iife.min.js"),
-             "licence": text("uplot/LICENSE"), "script": text("format.js", "live-draw.js", "live.js"), "token": json.dumps(token)}
+             "licence": text("uplot/LICENSE"), "script": text("format.js", "drawing.js", "live-draw.js", "live.js"), "token": json.dumps(token)}
     page = (WEB / "live.html").read_text(encoding="utf-8")
     for name, part in parts.items():
         page = page.replace(f"@{name}@", part)

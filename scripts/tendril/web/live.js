@@ -478,7 +478,7 @@ function mount(root, connection) {
     const ghosts = S.ghost ? chart.series.map(() => ({ label: "before", stroke: OVERLAY, width: 1.2, points: { show: false }, spanGaps: true, value: (u, v) => number(v) })) : [];
     const names = chart.unit !== "1" && unitName(chart.unit) ? unitName(chart.unit) : "";
     one.plot = new uPlot({ width: Math.max(200, one.place.clientWidth || 300), height: 165, pxAlign: 0, series: [...series, ...ghosts], scales: { x: { time: false }, y: chart.log ? { distr: 3 } : {} },
-      axes: [{ size: 30 }, { size: 58, label: names, labelSize: names ? 16 : 0, values: (u, ticks) => ticks.map(tick) }], legend: { show: chart.series.length > 1 || S.ghost },
+      axes: [{ size: 30 }, { ...valueAxis(chart.log), label: names, labelSize: names ? 16 : 0 }], legend: { show: chart.series.length > 1 || S.ghost },
       cursor: { drag: { x: false, y: false } }, padding: [8, 8, 0, 0] }, data(chart), one.place);
     one.plot.over.addEventListener("click", () => { const t = one.plot.posToVal(one.plot.cursor.left, "x") / unit("l/V"); look(Math.max(0, Math.min(S.t, t))); });
     one.ghost = !!S.ghost;
