@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from .errors import RunError, TendrilError
+from .outbox import ROWS, thin
 from .playing import NUMBER, Played, controls, may_lead_tip, said_rows, save_scene
 from .runs import run
 from .simulation import BY_WORDS, Simulation
 
 KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
 UNHURRIED = 20  # seconds that a run takes at first, if it can
-ROWS = 3000  # of the series that a page is shown; twice as many are kept, the run itself has all
 HAPPENINGS = 500  # the latest that are kept
 FRAMES = 240  # of a branch that are kept, to be looked at
 TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
@@ -59,12 +59,6 @@ class Branch:
         own = [k for k in self.kept if k[0] <= until]
         before = self.parent.states(min(until, self.since)) if self.parent else []
         return sorted(own + before, key=lambda k: -k[0])
-
-
-def thin(rows):
-    """Leaves out every other row of a list that has become long, but neither the first nor the last."""
-    if len(rows) > 2 * ROWS:
-        del rows[1:-1:2]
 
 
 class Session:
@@ -441,7 +435,7 @@ class Session:
             self.keep_frame(t, frame)
         iterations = self.names.index("newton_iterations")
         self.rates.append((self.looked, len(rows), sum(row[iterations] for row in rows)))
-        self.publish({"kind": "frame", "t": t, "row": rows, "frame": frame, "branch": self.branch.number,
+        self.publish({"kind": "frame", "t": t, "rows": rows, "frame": frame, "branch": self.branch.number,
                       "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "to": None})
 
     def keep_frame(self, t, frame):
