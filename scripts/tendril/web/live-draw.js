@@ -188,16 +188,16 @@ class Stage {
   }
 
   drawRuler() {
-    const { ctx } = this, wide = this.width / 5 / this.scale, step = 10 ** Math.floor(Math.log10(wide));
-    const long = [5, 2, 1].map((k) => k * step).find((k) => k <= wide) || step;
-    const f = this.unit || [1, ""], x = 12, y = this.height - 12;
+    const { ctx } = this, [factor, unit] = this.unit || [1, ""], wide = factor * this.width / 5 / this.scale, step = 10 ** Math.floor(Math.log10(wide));
+    const round = [5, 2, 1].map((k) => k * step).find((k) => k <= wide) || step;  // in the unit that is shown
+    const long = round / factor * this.scale, x = 12, y = this.height - 12;
     ctx.strokeStyle = ctx.fillStyle = "#555";
     ctx.lineWidth = 1.5;
     ctx.beginPath();
-    ctx.moveTo(x, y - 4); ctx.lineTo(x, y); ctx.lineTo(x + long * this.scale, y); ctx.lineTo(x + long * this.scale, y - 4);
+    ctx.moveTo(x, y - 4); ctx.lineTo(x, y); ctx.lineTo(x + long, y); ctx.lineTo(x + long, y - 4);
     ctx.stroke();
     ctx.font = "12px system-ui, sans-serif";
-    ctx.fillText(`${number(long * f[0])} ${f[1]}`, x + 6, y - 6);
+    ctx.fillText(`${number(round)} ${unit}`, x + 6, y - 6);
   }
 
   drawRod(frame, plain, scene, kind) {
