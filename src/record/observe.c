@@ -5,16 +5,13 @@
 #include <string.h>
 
 #define X(name, units, text) #name,
-const char *const observed_name[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
-    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
+const char *const observed_name[OBSERVED] = {EVERY_OBSERVABLE(X)};
 #undef X
 #define X(name, units, text) units,
-const char *const observed_units[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
-    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
+const char *const observed_units[OBSERVED] = {EVERY_OBSERVABLE(X)};
 #undef X
 #define X(name, units, text) text,
-const char *const observed_text[OBSERVED] = {OBSERVABLES(X) OBSERVABLES_OF_WEIGHT(
-    X) OBSERVABLES_IN_SPACE(X) OBSERVABLES_OF_STEERING(X) OBSERVABLES_OF_TROPISM(X)};
+const char *const observed_text[OBSERVED] = {EVERY_OBSERVABLE(X)};
 #undef X
 
 /* ObservedOf - up to how many of the series, from the first on, there may be in a scene. */

@@ -86,13 +86,16 @@
   X(ironing_power, "N l V", "the part of it by which moments are ironed out, lost")                \
   X(growth_rate, "V", "how fast the rod lengthens, L_t")
 
+#define EVERY_OBSERVABLE(X)                                                                        \
+  OBSERVABLES(X)                                                                                   \
+  OBSERVABLES_OF_WEIGHT(X)                                                                         \
+  OBSERVABLES_IN_SPACE(X)                                                                          \
+  OBSERVABLES_OF_STEERING(X)                                                                       \
+  OBSERVABLES_OF_TROPISM(X)
+
 typedef struct {
 #define X(name, units, text) PetscReal name;
-  OBSERVABLES(X)
-  OBSERVABLES_OF_WEIGHT(X)
-  OBSERVABLES_IN_SPACE(X)
-  OBSERVABLES_OF_STEERING(X)
-  OBSERVABLES_OF_TROPISM(X)
+  EVERY_OBSERVABLE(X)
 #undef X
 } Observation;
 

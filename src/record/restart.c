@@ -323,7 +323,7 @@ PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Es
   UserCheck(whole, comm, "-restart %s: its last state is not whole, and cannot be gone on with",
             file);
   PetscCall(EstimateTake(estimate, state->following, errors));
-  for (PetscInt k = 0; k < ESTIMATE_KEPT; k++) PetscCall(VecDestroy(&errors[k]));
+  PetscCall(EstimateVectorsDestroy(estimate, errors));
   PetscFunctionReturn(0);
 }
 

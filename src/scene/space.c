@@ -80,8 +80,8 @@ PetscErrorCode SpaceClampDirection(PetscReal *angle, Space *self) {
   PetscFunctionReturn(0);
 }
 
-/* A vector of the laboratory in the clamp's frame. */
-static void FromLab(const Space *self, const PetscReal lab[3], PetscReal v[3]) {
+/* SpaceFromLab - a vector of the laboratory in the clamp's frame. */
+void SpaceFromLab(const Space *self, const PetscReal lab[3], PetscReal v[3]) {
   for (int d = 0; d < 3; d++)
     v[d] = self->lab[0][d] * lab[0] + self->lab[1][d] * lab[1] + self->lab[2][d] * lab[2];
 }
@@ -175,9 +175,9 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   if (tip->path && PathInSpace(tip->path)) self->why = "-tip_path";
   if (torsion) self->only = "-rod_torsion";
   if (radius && load->radius > 0) self->only = "-friction_radius";
-  FromLab(self, weight, clamp);
+  SpaceFromLab(self, weight, clamp);
   LoadSetWeight(load, clamp);
-  FromLab(self, force, tip->push);
+  SpaceFromLab(self, force, tip->push);
   if (tip->path) DrivenByPath(self, tip->path);
   if (tip->walls && tip->walls->surfaces.n) self->why = "-wall_file";
   LoadSetArm(load);
@@ -229,7 +229,7 @@ static PetscErrorCode NewVector(const Space *self, const char *name, Dimension d
   PetscFunctionBegin;
   PetscCall(OptionVector(name, dimension, lab, &given));
   PetscCall(CheckPlane(self, name, (PetscBool)(lab[2] != 0)));
-  FromLab(self, lab, v);
+  SpaceFromLab(self, lab, v);
   PetscFunctionReturn(0);
 }
 

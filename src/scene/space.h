@@ -31,6 +31,7 @@ PetscErrorCode SpaceClampDirection(PetscReal *angle, Space *space);
 PetscErrorCode SpaceSetFromOptions(Space *space, Load *load, Tip *tip, const Curvature *curvature,
                                    const Shape *shape);
 PetscErrorCode SpaceRelease(Space *space);
+void SpaceFromLab(const Space *space, const PetscReal lab[3], PetscReal v[3]);
 void SpaceToLab(const Space *space, const PetscReal v[3], PetscReal lab[3]);
 void SpaceClampTurn(const Space *space, PetscReal t, PetscReal p[4]);
 PetscReal SpaceClampAngle(const Space *space, PetscReal t);

@@ -1038,10 +1038,18 @@ static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
   for (int k = 0; k < RIGID_VALUES; k++) number[n++] = &self->rigid[k];
 }
 
-/* EstimateVectors - room for what EstimateKeep() keeps; the caller destroys them. Collective. */
+/* EstimateVectors - room for what EstimateKeep() keeps; the caller ends it with
+   EstimateVectorsDestroy(). Collective. */
 PetscErrorCode EstimateVectors(Estimate self, Vec errors[ESTIMATE_KEPT]) {
   PetscFunctionBegin;
   for (int k = 0; k < ESTIMATE_KEPT; k++) PetscCall(VecDuplicate(self->leg->U, &errors[k]));
+  PetscFunctionReturn(0);
+}
+
+/* EstimateVectorsDestroy - self NULL: there are none. */
+PetscErrorCode EstimateVectorsDestroy(Estimate self, Vec errors[ESTIMATE_KEPT]) {
+  PetscFunctionBegin;
+  for (int k = 0; k < ESTIMATE_KEPT && self; k++) PetscCall(VecDestroy(&errors[k]));
   PetscFunctionReturn(0);
 }
 

@@ -59,6 +59,7 @@ PetscErrorCode EstimateGet(Estimate estimate, PetscReal worst[ESTIMATE_PARTS][ES
 PetscErrorCode EstimateSet(Estimate estimate, PetscReal t,
                            const PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 PetscErrorCode EstimateVectors(Estimate estimate, Vec errors[ESTIMATE_KEPT]);
+PetscErrorCode EstimateVectorsDestroy(Estimate estimate, Vec errors[ESTIMATE_KEPT]);
 PetscErrorCode EstimateKeep(Estimate estimate, PetscReal memory[ESTIMATE_MEMORY],
                             Vec errors[ESTIMATE_KEPT]);
 PetscErrorCode EstimateTake(Estimate estimate, const PetscReal memory[ESTIMATE_MEMORY],

@@ -73,8 +73,8 @@ static PetscErrorCode PassesItself(Rod rod, PetscReal t0, PetscReal t1, Vec U0, 
 /* Has the rod grazed a wall on its way: was it in one that it touches neither before nor now,
    deeper than a step may err? What lies between is what the step itself says (its dense output).
  */
-static PetscErrorCode Grazees(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
-                              PetscBool *grazes) {
+static PetscErrorCode Grazes(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                             PetscBool *grazes) {
   Rod rod = leg->rod;
   PetscReal depth, length;
   PetscBool done;
@@ -113,7 +113,7 @@ PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Pe
   *passes = PETSC_FALSE;
   if (RodMeetsWalls(leg->rod)) {
     PetscCall(RodPassesWalls(leg->rod, t0, t1, U0, U1, passes));
-    if (!*passes) PetscCall(Grazees(ts, leg, t0, t1, U0, U1, passes));
+    if (!*passes) PetscCall(Grazes(ts, leg, t0, t1, U0, U1, passes));
   }
   if (RodMeetsItself(leg->rod) && !*passes) {
     if (leg->rod->model->space)

@@ -66,7 +66,7 @@ PetscErrorCode GrowStore(Grow *self, PetscBool finished) {
   PetscCall(GrowKeep(self, &state, points, errors));
   PetscCall(OutputStore(self->output, self->now->rod, &state, points,
                         self->estimate ? errors : NULL, finished));
-  for (int k = 0; k < ESTIMATE_KEPT && self->estimate; k++) PetscCall(VecDestroy(&errors[k]));
+  PetscCall(EstimateVectorsDestroy(self->estimate, errors));
   PetscFunctionReturn(0);
 }
 

@@ -129,88 +129,122 @@ static void AdviseFall(const Grow *self, char *advice, size_t room) {
                    (double)(weight / PetscMax(1, load->across)));
 }
 
-/* The line for an end that was not asked for. */
-static PetscErrorCode Verdict(Grow *self) {
-  const TSConvergedReason reason = self->reason;
+/* What the lines for an end that was not asked for have in common. */
+typedef struct {
+  const char *kept;     /* what is left of the run */
+  char t[64], step[64]; /* the last time and step */
+} Ending;
+
+/* ... for one that was stopped: by someone, or before it was through with what it was to follow. */
+static PetscErrorCode TellStopped(Grow *self, const Ending *ending) {
   MPI_Comm comm = self->scene->comm;
-  const char *const kept = OutputStores(self->output) ? "the results up to there are stored"
-                           : self->by_steps ? "what was found up to there can be read and saved"
-                                            : "nothing is stored without -output FILE";
-  char text[3][64], jam[512] = "", crawl[768] = "", advice[512];
-  PetscBool waves, passes;
-  PetscReal dt;
+  char text[64], advice[512] = "";
 
   PetscFunctionBegin;
-  PetscCall(TSGetTimeStep(self->now->ts, &dt));
-  OptionBoth(self->seen.t, UNIT_TIME, text[0]);
-  OptionBoth(dt, UNIT_TIME, text[1]);
-  OptionBoth(self->scene->end_time, UNIT_TIME, text[2]);
-  if (self->event.kind) PetscFunctionReturn(0);
-  UserCheck(!self->stopped, comm, "interrupted by signal %d at t = %s; %s", self->stopped, text[0],
-            kept);
+  UserCheck(!self->stopped, comm, "interrupted by signal %d at t = %s; %s", self->stopped,
+            ending->t, ending->kept);
   UserCheck(!self->beyond, comm,
             "-rod_model linear: stopped at t = %s, where an angle reached 1: a straight rod's "
             "model says nothing there; take -rod_model auto",
-            text[0]);
-  advice[0] = 0;
-  if (reason == TS_CONVERGED_TIME && self->scene->falls > 0)
+            ending->t);
+  if (self->reason == TS_CONVERGED_TIME && self->scene->falls > 0)
     AdviseFall(self, advice, sizeof(advice));
-  UserCheck(!advice[0], comm, "at t = %s the rod is still falling: %s", text[0], advice);
-  UserCheck(reason != TS_CONVERGED_ITS, comm,
-            "-ts_max_steps: reached at t = %s before -ts_max_time %s", text[0], text[2]);
+  UserCheck(!advice[0], comm, "at t = %s the rod is still falling: %s", ending->t, advice);
+  UserCheck(self->reason != TS_CONVERGED_ITS, comm,
+            "-ts_max_steps: reached at t = %s before -ts_max_time %s", ending->t,
+            OptionBoth(self->scene->end_time, UNIT_TIME, text));
+  PetscFunctionReturn(0);
+}
+
+/* ... for one that gets nowhere. */
+static PetscErrorCode TellNowhere(Grow *self, const Ending *ending) {
+  MPI_Comm comm = self->scene->comm;
+  char jam[512] = "", crawl[768] = "", advice[512];
+
+  PetscFunctionBegin;
   UserCheck(
-      self->jammed || reason == TS_CONVERGED_TIME || !PressedStraight(self), comm,
+      self->jammed || self->reason == TS_CONVERGED_TIME || !PressedStraight(self), comm,
       "gave up at t = %s: the rod is pressed straight against a wall, and nothing says to which "
       "side it gives way; %s; give it a small -rod_curvature",
-      text[0], kept);
+      ending->t, ending->kept);
   UserCheck(
-      !self->slips && !(reason < 0 && self->scene->load.shared && self->scene->load.across < 1),
+      !self->slips &&
+          !(self->reason < 0 && self->scene->load.shared && self->scene->load.across < 1),
       comm,
       "gave up at t = %s: with -friction_across %g dry friction does not say how fast so bent a "
       "rod moves, and it slips and sticks in no time, again and again; %s; take a larger "
       "-friction_across, or a lower -friction_mu: 0.99, or less",
-      text[0], (double)self->scene->load.across, kept);
-  PetscCall(GrowTellLamp(self, kept));
+      ending->t, (double)self->scene->load.across, ending->kept);
+  PetscCall(GrowTellLamp(self, ending->kept));
   CrawlTell(&self->crawl, self->scene->load.friction.beta, GrowHeldTwice(self), crawl,
             sizeof(crawl));
   AdviseWaves(self, advice, sizeof(advice));
-  waves = (PetscBool)(advice[0] != 0);
-  UserCheck(!self->crawls, comm, "%s; %s%s%s", crawl, kept, waves ? "; " : "", advice);
-  PetscCall(GrowTellJam(self, (PetscBool)(reason < 0), jam, sizeof(jam)));
+  UserCheck(!self->crawls, comm, "%s; %s%s%s", crawl, ending->kept, advice[0] ? "; " : "", advice);
+  PetscCall(GrowTellJam(self, (PetscBool)(self->reason < 0), jam, sizeof(jam)));
   UserCheck(!jam[0], comm,
             "%s, and it can hardly grow on; %s; end the run before with -stop_force, or, if this "
             "push is meant, give a higher -contact_stiffness",
-            jam, kept);
+            jam, ending->kept);
+  PetscFunctionReturn(0);
+}
+
+/* ... for one that found no step. */
+static PetscErrorCode TellGaveUp(Grow *self, const Ending *ending) {
+  MPI_Comm comm = self->scene->comm;
+  PetscBool waves, passes;
+  char advice[512];
+
+  PetscFunctionBegin;
+  AdviseWaves(self, advice, sizeof(advice));
+  waves = (PetscBool)(advice[0] != 0);
   if (!waves) AdviseConduit(self, advice, sizeof(advice));
   passes = (PetscBool)(self->now->passes ||
                        (self->now->passed && !advice[0] && !CoarseForContact(self)));
-  UserCheck(reason == TS_CONVERGED_TIME || !passes, comm,
+  UserCheck(!passes, comm,
             "gave up at t = %s with a step of %s: the rod would pass through itself or a wall; %s; "
             "give more -rod_cells or a higher -contact_stiffness",
-            text[0], text[1], kept);
+            ending->t, ending->step, ending->kept);
   UserCheck(
-      reason == TS_CONVERGED_TIME || !SpinsFreely(self), comm,
+      !SpinsFreely(self), comm,
       "gave up at t = %s: the rod turns over about its own axis at once, for nothing holds its "
       "spin back, and where it then goes is not determined; %s; give the radius at which "
       "friction feels the spin, -friction_radius",
-      text[0], kept);
+      ending->t, ending->kept);
   if (!advice[0]) AdviseGivingWay(self, advice, sizeof(advice));
   UserCheck(
-      reason == TS_CONVERGED_TIME || !self->now->crosses, comm,
+      !self->now->crosses, comm,
       "gave up at t = %s: the rod gives way faster than a step of %s can follow, to which side "
       "that step does not tell; %s; %s",
-      text[0], text[1], kept, advice);
+      ending->t, ending->step, ending->kept, advice);
   if (!waves) {
     advice[0] = 0;
     AdviseFall(self, advice, sizeof(advice));
     AdviseConduit(self, advice, sizeof(advice));
   }
-  UserCheck(reason == TS_CONVERGED_TIME, comm, "gave up at t = %s with a step of %s (%s): %s; %s",
-            text[0], text[1], TSConvergedReasons[reason], kept,
+  UserCheck(PETSC_FALSE, comm, "gave up at t = %s with a step of %s (%s): %s; %s", ending->t,
+            ending->step, TSConvergedReasons[self->reason], ending->kept,
             advice[0] ? advice
             : GrowHeldTwice(self)
                 ? crawl_held
                 : "try another -ts_rtol, more -rod_cells or a larger -friction_beta");
+  PetscFunctionReturn(0);
+}
+
+/* The line for an end that was not asked for. */
+static PetscErrorCode Verdict(Grow *self) {
+  Ending ending = {.kept = OutputStores(self->output) ? "the results up to there are stored"
+                           : self->by_steps ? "what was found up to there can be read and saved"
+                                            : "nothing is stored without -output FILE"};
+  PetscReal step;
+
+  PetscFunctionBegin;
+  if (self->event.kind) PetscFunctionReturn(0);
+  PetscCall(TSGetTimeStep(self->now->ts, &step));
+  OptionBoth(self->seen.t, UNIT_TIME, ending.t);
+  OptionBoth(step, UNIT_TIME, ending.step);
+  PetscCall(TellStopped(self, &ending));
+  PetscCall(TellNowhere(self, &ending));
+  if (self->reason != TS_CONVERGED_TIME) PetscCall(TellGaveUp(self, &ending));
   PetscFunctionReturn(0);
 }
 

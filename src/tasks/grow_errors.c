@@ -104,13 +104,18 @@ static int Happens(const Grow *self, const Observation *last, PetscBool jumped) 
   return seen->contacts < last->contacts ? WHY_LETS_GO : 0;
 }
 
+/* Has something happened to the rod just before? */
+static PetscBool Happened(const Grow *self) {
+  const PetscReal t = self->seen.t;
+
+  return (PetscBool)(self->kept.event_is && t - self->kept.event_at <= grow_rule.reason_within * t);
+}
+
 /* What makes an error: what happened just before, else the largest part. */
 static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN], int k) {
   int most = 0;
 
-  if (self->kept.event_is &&
-      self->seen.t - self->kept.event_at <= grow_rule.reason_within * self->seen.t)
-    return (int)self->kept.event_is;
+  if (Happened(self)) return (int)self->kept.event_is;
   for (int i = 1; i < ESTIMATE_PARTS; i++)
     if (AccuracyTimes(i) * part[i][k] > AccuracyTimes(most) * part[most][k]) most = i;
   return most;
@@ -128,8 +133,7 @@ static void LookForSide(Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
                         const PetscReal off[ESTIMATE_SEEN], PetscBool happens) {
   Astray *astray = &self->kept.astray;
   const PetscReal t = self->seen.t;
-  const PetscBool explained =
-      (PetscBool)(self->kept.event_is && t - self->kept.event_at <= grow_rule.reason_within * t);
+  const PetscBool explained = Happened(self);
   int all = 0; /* how much of what is seen is no longer known */
 
   for (int k = 0; k < ESTIMATE_SEEN; k++) all += off[k] >= 1;

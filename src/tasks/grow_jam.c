@@ -93,13 +93,8 @@ PetscBool GrowFindsNoWay(const Grow *self) {
 /* Where the tip is in the frame of the clamp. */
 static void TipInClamp(const Scene scene, const Observation *seen, PetscReal x[3]) {
   const PetscReal lab[3] = {seen->tip_x1, seen->tip_x2, seen->tip_x3};
-  PetscReal axis[3];
 
-  for (int k = 0; k < 3; k++) {
-    const PetscReal e[3] = {k == 0, k == 1, k == 2};
-    SceneToLab(scene, e, axis);
-    x[k] = axis[0] * lab[0] + axis[1] * lab[1] + axis[2] * lab[2];
-  }
+  SpaceFromLab(&scene->space, lab, x);
 }
 
 /*

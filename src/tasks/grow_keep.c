@@ -33,12 +33,6 @@ static PetscErrorCode KeepErrors(Grow *self, RestartState *state, Vec errors[]) 
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode DropErrors(const Grow *self, Vec errors[]) {
-  PetscFunctionBegin;
-  for (int k = 0; k < ESTIMATE_KEPT && self->estimate; k++) PetscCall(VecDestroy(&errors[k]));
-  PetscFunctionReturn(0);
-}
-
 /* The stepper begins anew from one point. */
 static void FromOnePoint(const Grow *self, PetscReal t, RestartState *state) {
   state->t = t;
@@ -51,7 +45,7 @@ static void FromOnePoint(const Grow *self, PetscReal t, RestartState *state) {
 /* GrowKeep - all that the run needs to go on from its latest step. Collective.
 
    points  borrowed
-   errors  the caller destroys them; if there is an estimate */
+   errors  the caller ends them with EstimateVectorsDestroy() */
 PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec errors[]) {
   PetscFunctionBegin;
   PetscCall(KeepRun(self, state));
@@ -120,7 +114,7 @@ PetscErrorCode GrowMarksDestroy(Grow *self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->marks; k++) {
     PetscCall(VecDestroy(&self->mark[k].U));
-    PetscCall(DropErrors(self, self->mark[k].errors));
+    PetscCall(EstimateVectorsDestroy(self->estimate, self->mark[k].errors));
   }
   PetscCall(PetscFree(self->mark));
   self->marks = 0;
@@ -162,7 +156,7 @@ static PetscErrorCode SaveNow(Grow *self, const char *path) {
                      (PetscBool)(self->over && self->reason == TS_CONVERGED_TIME));
   if (stored != self->seen.t) OutputDropShape(self->output);
   self->stored_shape = stored;
-  PetscCall(DropErrors(self, errors));
+  PetscCall(EstimateVectorsDestroy(self->estimate, errors));
   PetscCall(error);
   PetscFunctionReturn(0);
 }
@@ -180,7 +174,7 @@ static PetscErrorCode SaveWithin(Grow *self, const char *path, PetscReal t) {
   OutputDropShape(self->output);
   self->stored_shape = stored;
   PetscCall(VecDestroy(&mark.U));
-  PetscCall(DropErrors(self, mark.errors));
+  PetscCall(EstimateVectorsDestroy(self->estimate, mark.errors));
   PetscCall(error);
   PetscFunctionReturn(0);
 }
