@@ -319,7 +319,7 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
   PetscFunctionBegin;
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   if (rod->learned)
-    PetscCall(LearnedFill(rod, F, &F_));
+    PetscCall(LearnedFill(rod, &F_));
   else
     PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {

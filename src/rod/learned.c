@@ -103,7 +103,7 @@ void LearnedScale(Rod rod, PetscReal scale[]) {
     }
 }
 
-/* Mechanics and states of the nodes first - 1 .. end of a vector, apart. */
+/* Mechanics and states of the nodes first - 1 .. end of a vector, apart; states NULL: not these. */
 static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
   const Learned self = rod->learned;
   const PetscInt fields = rod->model->fields, from = PetscMax(rod->first - 1, 0),
@@ -116,42 +116,33 @@ static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
   for (PetscInt i = from; i <= to; i++) {
     const PetscInt n = i - rod->first + 1;
     memcpy(mech + n * self->mech, v + i * fields, (size_t)self->mech * sizeof(*v));
-    memcpy(states + 2 * n * self->per, v + i * fields + self->mech,
-           2 * (size_t)self->per * sizeof(*v));
+    if (states)
+      memcpy(states + 2 * n * self->per, v + i * fields + self->mech,
+             2 * (size_t)self->per * sizeof(*v));
   }
   PetscCall(RodClose(rod, &local, &v));
   PetscFunctionReturn(0);
 }
 
-/* ... the mechanics alone. */
-static PetscErrorCode PartMechanics(Rod rod, Vec V, PetscReal *mech) {
-  const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields, from = PetscMax(rod->first - 1, 0),
-                 to = PetscMin(rod->end, rod->last);
-  const PetscReal *v;
-  Vec local;
+/* What the last rank has of a signal, to all. */
+static PetscErrorCode FromLastRank(const Rod rod, PetscReal signal[]) {
+  PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCall(RodOpen(rod, V, &local, &v));
-  for (PetscInt i = from; i <= to; i++)
-    memcpy(mech + (i - rod->first + 1) * self->mech, v + i * fields,
-           (size_t)self->mech * sizeof(*v));
-  PetscCall(RodClose(rod, &local, &v));
+  if (rod->alone) PetscFunctionReturn(0);
+  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  PetscCallMPI(MPI_Bcast(signal, TROPISM_BENDS, MPIU_REAL, ranks - 1, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
-/* What the last rank has of the signal, to all. */
+/* ... among its states. */
 static PetscErrorCode ShareSignal(Rod rod, const PetscReal *states, PetscReal signal[]) {
-  PetscMPIInt ranks;
-
   PetscFunctionBegin;
   if (!rod->learned->at_tip) PetscFunctionReturn(0);
   if (rod->end > rod->last)
     memcpy(signal, states + SignalPlace(rod) * rod->learned->per,
            (size_t)rod->learned->bends * sizeof(*signal));
-  if (rod->alone) PetscFunctionReturn(0);
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  PetscCallMPI(MPI_Bcast(signal, TROPISM_BENDS, MPIU_REAL, ranks - 1, rod->scene->comm));
+  PetscCall(FromLastRank(rod, signal));
   PetscFunctionReturn(0);
 }
 
@@ -184,11 +175,10 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
 
 /* LearnedFill - an array for the residual of the mechanics, indexed by node; that of states is
    beside it. */
-PetscErrorCode LearnedFill(Rod rod, Vec F, void *array) {
+PetscErrorCode LearnedFill(Rod rod, void *array) {
   Learned self = rod->learned;
 
   PetscFunctionBegin;
-  (void)F;
   PetscCall(PetscArrayzero(self->rows, 2 * (rod->end - rod->first + 2) * self->per));
   *(PetscReal **)array = self->row - rod->first * self->mech;
   PetscFunctionReturn(0);
@@ -459,15 +449,12 @@ static void BorderOf(const Rod rod, PetscInt bend, PetscReal *w) {
 /* What the tip's signal would be by an owned part of the unknowns; on all ranks. */
 static PetscErrorCode SignalBy(const Rod rod, const PetscReal *x, PetscReal signal[]) {
   const Learned self = rod->learned;
-  PetscMPIInt ranks;
 
   PetscFunctionBegin;
   signal[0] = signal[1] = 0;
   for (PetscInt b = 0; b < self->bends && rod->end > rod->last; b++)
     signal[b] = Times(self->mech, self->tip[b], x + (rod->last - rod->first) * self->mech);
-  if (rod->alone) PetscFunctionReturn(0);
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  PetscCallMPI(MPI_Bcast(signal, TROPISM_BENDS, MPIU_REAL, ranks - 1, rod->scene->comm));
+  PetscCall(FromLastRank(rod, signal));
   PetscFunctionReturn(0);
 }
 
@@ -598,7 +585,7 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
   Fold(rod, self->b);
   PetscCall(SolveBordered(rod, signal));
   PetscCall(Put(rod, self->x, NULL, x));
-  PetscCall(PartMechanics(rod, x, self->beside));
+  PetscCall(Part(rod, x, self->beside, NULL));
   for (PetscInt i = from; i <= to; i++)
     UnfoldNode(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
   for (PetscInt i = from; i < to; i++)
@@ -646,13 +633,11 @@ PetscErrorCode LearnedSetType(PC pc, Rod rod, Elimination elimination) {
    they go by. Collective. */
 PetscErrorCode LearnedGet(Rod rod, Vec U, Node *nodes) {
   const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields;
   PetscReal signal[TROPISM_BENDS] = {0}, *states = self->rhs;
 
   PetscFunctionBegin;
   PetscCall(Part(rod, U, self->beside, states));
   PetscCall(ShareSignal(rod, states, signal));
-  (void)fields;
   for (PetscInt i = rod->first; i < rod->end; i++)
     for (int half = 0; half < 2; half++)
       for (PetscInt b = 0; b < self->bends; b++) {
@@ -819,7 +804,8 @@ PetscErrorCode LearnedTimesRate(Rod rod, Vec V) {
 
 /*
   LearnedCarry - makes of a sum of points times their weights, at fixed labels, one along the
-  material: to U_t that is D/Dt then (docs/theory/growth.md). Collective.
+  material: to U_t that is D/Dt then (docs/theory/growth.md). Of a rod of which LearnedCarries();
+  collective.
 
   t, times  of the sum, and of its points, which are earlier
   weight    of each point, for each field
@@ -837,7 +823,6 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
   PetscScalar *x;
 
   PetscFunctionBegin;
-  if (!growth->slides) PetscFunctionReturn(0);
   PetscCall(PetscMalloc2(last + 1, &from, (last + 2) * per, &all));
   if (!self->label) PetscCall(FindLabels(rod));
   label = self->label;

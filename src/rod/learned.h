@@ -74,7 +74,7 @@ PetscErrorCode LearnedDestroy(Rod rod);
 PetscErrorCode LearnedBegin(Rod rod, Vec U);
 void LearnedScale(Rod rod, PetscReal scale[]);
 PetscErrorCode LearnedOpen(Rod rod, const RodState *at);
-PetscErrorCode LearnedFill(Rod rod, Vec F, void *array);
+PetscErrorCode LearnedFill(Rod rod, void *array);
 PetscErrorCode LearnedFilled(Rod rod, Vec F);
 void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *point);
 void LearnedSignalResidual(Rod rod, const PetscReal sensed[]);

@@ -59,7 +59,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
   PetscFunctionBegin;
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   if (rod->learned)
-    PetscCall(LearnedFill(rod, F, &F_));
+    PetscCall(LearnedFill(rod, &F_));
   else
     PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
