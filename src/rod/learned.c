@@ -6,9 +6,9 @@
 static void FindDrive(Rod rod) {
   const Tropism *law = &rod->scene->tropism;
   const PetscReal clamp[3] = {0};
-  PetscReal pull[3] = {0}, by_x[3][3];
+  PetscReal pull[3] = {0};
 
-  if (law->senses) TropismPull(law, clamp, pull, by_x);
+  if (law->senses) TropismPull(law, clamp, pull, NULL);
   for (int d = 0; d < 2; d++)
     rod->learned->drive[d] =
         rod->scene->reach * (PetscAbsReal(pull[1 + d]) + PetscAbsReal(law->nutation[d]));
@@ -170,6 +170,8 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
                            GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
   PetscCall(ShareSignal(rod, self->k, self->signal));
   PetscCall(ShareSignal(rod, self->k_t, self->signal_t));
+  for (int b = 0; b < TROPISM_BENDS; b++)
+    self->nutation[b] = TropismNutation(&rod->scene->tropism, b, at->t);
   PetscFunctionReturn(0);
 }
 
@@ -206,7 +208,7 @@ PetscErrorCode LearnedFilled(Rod rod, Vec F) {
 
 /* LearnedResidual - that of the states of a place: Dk/Dt - a (f - G u + I m/B + nutation), and
    T Df/Dt + f - S. */
-void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *point) {
+void LearnedResidual(Rod rod, PetscInt place, const LearnedPoint *point) {
   Learned self = rod->learned;
   const Tropism *law = &rod->scene->tropism;
   const PetscReal *k = self->k + place * self->per, *k_t = self->k_t + place * self->per;
@@ -218,9 +220,8 @@ void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *p
     const PetscReal f = self->at_tip      ? self->signal[b]
                         : self->remembers ? k[self->bends + b]
                                           : point->sensed[b];
-    row[b] =
-        k_t[b] - self->clock[place] * TropismDrive(law, f, point->natural[b], point->elastic[b],
-                                                   TropismNutation(law, (int)b, t));
+    row[b] = k_t[b] - self->clock[place] * TropismDrive(law, f, point->natural[b],
+                                                        point->elastic[b], self->nutation[b]);
     if (self->remembers)
       row[self->bends + b] = law->memory * k_t[self->bends + b] + f - point->sensed[b];
   }
@@ -237,9 +238,10 @@ void LearnedSignalResidual(Rod rod, const PetscReal sensed[]) {
 
 /* ---- what a linear solve eliminates ---- */
 
-/* The row of a place from its slopes; shift: of its first state. */
-static void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
-                    const PetscReal shift[], LearnedRow *row) {
+/* The row of a place from its slopes; shift: of its first state. n, bends: as in LearnedCreate(),
+   here and below, where the compiler knows them. */
+ALWAYS_INLINE void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
+                           const PetscReal shift[], PetscInt n, PetscInt bends, LearnedRow *row) {
   const Learned self = rod->learned;
   const Tropism *law = &rod->scene->tropism;
   const PetscReal a = self->clock[place];
@@ -249,15 +251,15 @@ static void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
     return;
   }
   row->clock = a;
-  for (PetscInt b = 0; b < self->bends; b++) {
-    const PetscReal memory = self->remembers ? 1 + law->memory * shift[self->bends + b] : 1,
+  for (PetscInt b = 0; b < bends; b++) {
+    const PetscReal memory = self->remembers ? 1 + law->memory * shift[bends + b] : 1,
                     own = shift[b] + a * law->proprioception,
                     senses = self->at_tip ? 0 : a / (own * memory),
                     gives = a / own * (law->ironing - law->proprioception);
     row->own[b] = own;
     row->own_memory[b] = memory;
     row->signal[b] = self->at_tip ? a / own : 0;
-    for (PetscInt f = 0; f < self->mech; f++)
+    for (PetscInt f = 0; f < n; f++)
       row->by[b][f] = senses * slope->sensed[b][f] + gives * slope->elastic[b][f];
   }
   if (self->remembers) memcpy(row->sensed, slope->sensed, sizeof(row->sensed));
@@ -266,9 +268,13 @@ static void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
 /* LearnedNodeSlope - that of node i: before the cells beside it are condensed. shift: of all
    fields. */
 void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal shift[]) {
-  const PetscInt n = i - rod->first + 1;
+  const PetscInt at = i - rod->first + 1;
+  LearnedRow *row = &rod->learned->node[at];
 
-  MakeRow(rod, 2 * n, slope, shift + rod->learned->mech, &rod->learned->node[n]);
+  if (rod->learned->mech == LINE_FIELDS)
+    MakeRow(rod, 2 * at, slope, shift + LINE_FIELDS, LINE_FIELDS, 1, row);
+  else
+    MakeRow(rod, 2 * at, slope, shift + WIDE_FIELDS, WIDE_FIELDS, TROPISM_BENDS, row);
 }
 
 /* y += s x, of the mechanics' unknowns. */
@@ -292,26 +298,26 @@ ALWAYS_INLINE void AddOuter(PetscInt n, const PetscReal column[], const PetscRea
 }
 
 /* The bends in the middle of a cell by the unknowns and the bends at both ends. */
-static void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell, const PetscReal shift[],
-                    LearnedFactor *factor) {
+ALWAYS_INLINE void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell,
+                           const PetscReal shift[], PetscInt n, PetscInt bends,
+                           LearnedFactor *factor) {
   const Learned self = rod->learned;
   LearnedRow *row = &factor->at_mid;
 
-  MakeRow(rod, place, &cell->slope[1], shift + self->mech + self->per, row);
-  for (PetscInt b = 0; b < self->bends; b++)
+  MakeRow(rod, place, &cell->slope[1], shift + n + self->per, n, bends, row);
+  for (PetscInt b = 0; b < bends; b++)
     for (int e = 0; e < 2; e++) {
       memset(factor->mid[e][b], 0, sizeof(factor->mid[e][b]));
-      for (PetscInt f = 0; f < self->mech; f++)
-        if (row->by[b][f] != 0)
-          Add(self->mech, row->by[b][f], cell->by_node[e][f], factor->mid[e][b]);
-      for (PetscInt c = 0; c < self->bends; c++)
-        factor->chain[e][b][c] = Times(self->mech, row->by[b], cell->by_bend[e][c]);
+      for (PetscInt f = 0; f < n; f++)
+        if (row->by[b][f] != 0) Add(n, row->by[b][f], cell->by_node[e][f], factor->mid[e][b]);
+      for (PetscInt c = 0; c < bends; c++)
+        factor->chain[e][b][c] = Times(n, row->by[b], cell->by_bend[e][c]);
       if (!self->remembers) continue;
       memset(factor->sensed[e][b], 0, sizeof(factor->sensed[e][b]));
-      for (PetscInt f = 0; f < self->mech; f++)
-        Add(self->mech, row->sensed[b][f], cell->by_node[e][f], factor->sensed[e][b]);
-      for (PetscInt c = 0; c < self->bends; c++)
-        factor->sensed_chain[e][b][c] = Times(self->mech, row->sensed[b], cell->by_bend[e][c]);
+      for (PetscInt f = 0; f < n; f++)
+        Add(n, row->sensed[b][f], cell->by_node[e][f], factor->sensed[e][b]);
+      for (PetscInt c = 0; c < bends; c++)
+        factor->sensed_chain[e][b][c] = Times(n, row->sensed[b], cell->by_bend[e][c]);
     }
 }
 
@@ -322,7 +328,7 @@ ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const 
   LearnedFactor *factor = &self->cell[at];
   PetscReal *const J[2] = {left, right};
 
-  MakeMid(rod, 2 * at + 1, cell, shift, factor);
+  MakeMid(rod, 2 * at + 1, cell, shift, n, bends, factor);
   memcpy(factor->column, cell->column, sizeof(factor->column));
   for (int e = 0; e < 2; e++) {
     const LearnedRow *end = &self->node[at + e];
@@ -354,7 +360,8 @@ void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscRe
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]) {
   const PetscInt at = i - rod->first + 1;
 
-  MakeMid(rod, 2 * at + 1, cell, shift, &rod->learned->cell[at]);
+  MakeMid(rod, 2 * at + 1, cell, shift, rod->learned->mech, rod->learned->bends,
+          &rod->learned->cell[at]);
 }
 
 /* LearnedSignalSlope - of the tip's signal by the last node's unknowns. */
