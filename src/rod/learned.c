@@ -686,34 +686,34 @@ static PetscReal Label(const Rod rod, PetscInt place) {
   return place % 2 ? (s[place / 2] + s[place / 2 + 1]) / 2 : s[place / 2];
 }
 
-enum { STENCIL = LEARNED_STENCIL };
-
 /* Beyond the clamp of a rod that is fed the field goes on oddly: what is fed in has learned
- * nothing.
- */
-static PetscReal LabelOf(const PetscReal *label, PetscInt place) {
-  return place < 0 ? -label[-place] : label[place];
+   nothing. Arrays of places have so many before the first. */
+enum { STENCIL = LEARNED_STENCIL, BEYOND = STENCIL / 2 - 1 };
+
+static void GoOnOddly(PetscInt width, PetscReal *first) {
+  for (PetscInt k = 1; k <= BEYOND; k++)
+    for (PetscInt c = 0; c < width; c++) first[-k * width + c] = -first[k * width + c];
 }
 
 /* What the weights of places first .. first + STENCIL - 1 are divided by, for all first places from
-   1 - STENCIL / 2 on. */
+   -BEYOND on. */
 static void FindDivisors(const PetscReal *label, PetscInt last, PetscReal (*over)[STENCIL]) {
-  for (PetscInt first = 1 - STENCIL / 2; first + STENCIL <= last + 1; first++)
+  for (PetscInt first = -BEYOND; first + STENCIL <= last + 1; first++)
     for (int i = 0; i < STENCIL; i++) {
       PetscReal product = 1;
       for (int j = 0; j < STENCIL; j++)
-        if (j != i) product *= LabelOf(label, first + i) - LabelOf(label, first + j);
-      over[first - (1 - STENCIL / 2)][i] = 1 / product;
+        if (j != i) product *= label[first + i] - label[first + j];
+      over[first + BEYOND][i] = 1 / product;
     }
 }
 
-/* The weights of places first .. first + STENCIL - 1 for a value at a label. */
-static void Weights(const PetscReal *label, const PetscReal over[STENCIL], PetscInt first,
-                    PetscReal at, PetscReal w[STENCIL]) {
+/* The weights of places for a value at a label, by the labels of these. */
+static void Weights(const PetscReal label[STENCIL], const PetscReal over[STENCIL], PetscReal at,
+                    PetscReal w[STENCIL]) {
   PetscReal away[STENCIL], before = 1, behind = 1;
 
   for (int i = 0; i < STENCIL; i++) {
-    away[i] = at - LabelOf(label, first + i);
+    away[i] = at - label[i];
     w[i] = over[i] * before;
     before *= away[i];
   }
@@ -729,14 +729,15 @@ static PetscErrorCode FindLabels(Rod rod) {
   const PetscInt last = 2 * rod->last;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(last + 1, &self->label));
+  PetscCall(PetscMalloc1(BEYOND + last + 1, &self->label));
   PetscCall(PetscMalloc1((last + 1) * STENCIL, (PetscReal **)&self->over));
-  for (PetscInt i = 0; i <= last; i++) self->label[i] = Label(rod, i);
-  FindDivisors(self->label, last, self->over);
+  for (PetscInt i = 0; i <= last; i++) self->label[BEYOND + i] = Label(rod, i);
+  GoOnOddly(1, self->label + BEYOND);
+  FindDivisors(self->label + BEYOND, last, self->over);
   PetscFunctionReturn(0);
 }
 
-/* All places of a vector's states, node after node, on every rank. */
+/* All places of a vector's states, node after node, on every rank; and those beyond the clamp. */
 static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
   const Learned self = rod->learned;
   const PetscInt fields = rod->model->fields, width = 2 * self->per, n = rod->end - rod->first;
@@ -749,7 +750,10 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
     for (PetscInt f = 0; f < width; f++)
       all[(rod->first + i) * width + f] = PetscRealPart(v[i * fields + self->mech + f]);
   PetscCall(VecRestoreArrayRead(V, &v));
-  if (rod->alone) PetscFunctionReturn(0);
+  if (rod->alone) {
+    GoOnOddly(self->per, all);
+    PetscFunctionReturn(0);
+  }
   PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
   PetscCall(PetscMalloc2(ranks, &many, ranks, &from));
   {
@@ -760,6 +764,7 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
   PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, many, from, MPIU_REAL,
                               rod->scene->comm));
   PetscCall(PetscFree2(many, from));
+  GoOnOddly(self->per, all);
   PetscFunctionReturn(0);
 }
 
@@ -776,13 +781,10 @@ static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all
   if (label[*place] > at) *place = 0;
   while (*place + 1 < last && label[*place + 1] <= at) (*place)++;
   first = PetscMax(least, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
-  Weights(label, rod->learned->over[first - (1 - STENCIL / 2)], first, at, w);
+  Weights(label + first, rod->learned->over[first + BEYOND], at, w);
   for (PetscInt c = 0; c < per; c++) {
     k[c] = 0;
-    for (int i = 0; i < STENCIL; i++) {
-      const PetscInt j = first + i;
-      k[c] += sign * w[i] * (j < 0 ? -all[-j * per + c] : all[j * per + c]);
-    }
+    for (int i = 0; i < STENCIL; i++) k[c] += sign * w[i] * all[(first + i) * per + c];
   }
 }
 
@@ -823,16 +825,16 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
   const Growth growth = rod->scene->growth;
   const PetscInt fields = rod->model->fields, per = self->per, last = 2 * rod->last,
                  begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1),
-                 least =
-                     LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? 1 - STENCIL / 2 : 0;
+                 least = LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? -BEYOND : 0;
   const PetscReal *label;
-  PetscReal *from, *all, k[2 * TROPISM_BENDS];
+  PetscReal *from, *room, *all, k[2 * TROPISM_BENDS];
   PetscScalar *x;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(last + 1, &from, (last + 2) * per, &all));
+  PetscCall(PetscMalloc2(last + 1, &from, (BEYOND + last + 2) * per, &room));
   if (!self->label) PetscCall(FindLabels(rod));
-  label = self->label;
+  label = self->label + BEYOND;
+  all = room + BEYOND * per;
   PetscCall(VecGetArray(sum, &x));
   for (PetscInt j = 0; j < m; j++) {
     PetscInt at = 0;
@@ -846,7 +848,7 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
     }
   }
   PetscCall(VecRestoreArray(sum, &x));
-  PetscCall(PetscFree2(from, all));
+  PetscCall(PetscFree2(from, room));
   PetscFunctionReturn(0);
 }
 
