@@ -136,12 +136,6 @@ static PetscErrorCode By(Scene scene, const Asked *asked, PetscInt k, PetscReal 
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Malformed(Scene scene, const Asked *asked, const char *form) {
-  PetscFunctionBegin;
-  UserCheck(PETSC_FALSE, scene->comm, "%s: give %s", asked->name, form);
-  PetscFunctionReturn(0);
-}
-
 static const char *RefusesFeed(Scene scene, PetscReal t) {
   return strcmp(scene->growth->type, "feed") ? "only a rod that is fed has a speed of feeding: "
                                                "-growth_type feed"
@@ -256,7 +250,6 @@ static PetscErrorCode ChangeWallTo(Scene scene, const Asked *asked) {
   PetscReal by;
 
   PetscFunctionBegin;
-  if (asked->n < 4) PetscCall(Malformed(scene, asked, "LINE T X1 X2, in space X3, too"));
   PetscCall(By(scene, asked, 1, &by));
   PetscCall(MoveWall(scene, asked, by, 2));
   PetscFunctionReturn(0);
@@ -264,7 +257,6 @@ static PetscErrorCode ChangeWallTo(Scene scene, const Asked *asked) {
 
 static PetscErrorCode ChangeWallAt(Scene scene, const Asked *asked) {
   PetscFunctionBegin;
-  if (asked->n < 3) PetscCall(Malformed(scene, asked, "LINE X1 X2, in space X3, too"));
   PetscCall(MoveWall(scene, asked, asked->t, 1));
   PetscFunctionReturn(0);
 }
@@ -317,7 +309,6 @@ static PetscErrorCode ChangeTipPlace(Scene scene, const Asked *asked) {
   PetscReal by, lab[3], x[3], length, away = 0;
 
   PetscFunctionBegin;
-  if (asked->n < 3) PetscCall(Malformed(scene, asked, "T X1 X2, in space X3, too"));
   PetscCall(By(scene, asked, 0, &by));
   PetscCall(Shift(scene, asked, 1, lab));
   for (int i = 0; i < 3; i++) {
