@@ -442,23 +442,27 @@ PetscErrorCode SceneChange(Scene scene, const char *name, const char *value, Pet
 }
 
 /* SceneHasRoom - is none of the rod's places, in the clamp's frame, where -wall_at puts a surface?
-   After SceneMayChange(). */
-PetscBool SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
-                       const PetscReal x[][3]) {
-  const Surfaces *surfaces = &scene->contact.surfaces;
-  PetscReal lab[3], shift[3] = {0}, line = 0;
-  PetscInt which = 0;
+   After SceneMayChange(). Collective; n may be 0 on some ranks. */
+PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
+                            const PetscReal x[][3], PetscBool *has) {
+  const Change *change = Find("-wall_at");
+  Asked asked = {.name = change->name, .t = t};
+  PetscReal lab[3], shift[3];
+  PetscInt wall, surface;
+  char *text;
 
-  (void)sscanf(value, "%lf%*[ ,\t]%lf%*[ ,\t]%lf%*[ ,\t]%lf", &line, &shift[0], &shift[1],
-               &shift[2]);
-  while (which < surfaces->n && surfaces->surface[which].line != line) which++;
-  if (which == surfaces->n) return PETSC_TRUE;
-  for (PetscInt i = 0; i < n; i++) {
+  PetscFunctionBegin;
+  PetscCall(TakeWords(scene, change, value, &text, &asked));
+  PetscCall(WallOf(scene, &asked, &wall, &surface));
+  PetscCall(Shift(scene, &asked, 1, shift));
+  PetscCall(PetscFree(text));
+  *has = PETSC_TRUE;
+  for (PetscInt i = 0; i < n && *has; i++) {
     SpaceToLab(&scene->space, x[i], lab);
-    if (SurfaceShifted(&surfaces->surface[which], t, shift, lab) < scene->contact.diameter / 2)
-      return PETSC_FALSE;
+    *has = (PetscBool)(SurfaceShifted(&scene->contact.surfaces.surface[surface], t, shift, lab) >=
+                       scene->contact.diameter / 2);
   }
-  return PETSC_TRUE;
+  PetscFunctionReturn(0);
 }
 
 /* SceneChangeAbout - lines about mistakes name the row; NULL: no longer. */
