@@ -120,12 +120,12 @@ void TropismFrame(Tropism *self, const PetscReal lab[3][3]) {
 }
 
 void TropismPull(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
-                 PetscReal by_x[3][3]) {
+                 PetscReal (*by_x)[3]) {
   PetscReal to[3], far, size;
 
   for (int i = 0; i < 3; i++) {
     pull[i] = self->gravity * self->direction[i];
-    for (int j = 0; j < 3; j++) by_x[i][j] = 0;
+    for (int j = 0; j < 3 && by_x; j++) by_x[i][j] = 0;
     to[i] = self->source[i] - x[i];
   }
   if (self->light == 0) return;
@@ -133,7 +133,7 @@ void TropismPull(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
   size = self->light / far;
   for (int i = 0; i < 3; i++) {
     pull[i] += size * to[i];
-    for (int j = 0; j < 3; j++)
+    for (int j = 0; j < 3 && by_x; j++)
       by_x[i][j] = size * (to[i] * to[j] / (far * far) - (i == j ? 1 : 0));
   }
 }
@@ -142,10 +142,10 @@ void TropismPull(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
    and at once. */
 PetscReal TropismDriveAt(const Tropism *self, const TropismPlace *at, int bend, PetscReal t,
                          PetscReal signal, PetscReal u0, PetscReal elastic) {
-  PetscReal pull[3], by_x[3][3], f = signal;
+  PetscReal pull[3], f = signal;
 
   if (self->senses && !self->at_tip && self->memory == 0) {
-    TropismPull(self, at->x, pull, by_x);
+    TropismPull(self, at->x, pull, NULL);
     f = TropismSensed(at, bend, pull);
   }
   return TropismDrive(self, f, u0, elastic, TropismNutation(self, bend, t));

@@ -51,9 +51,10 @@ static inline PetscReal TropismNutation(const Tropism *tropism, int bend, PetscR
               : tropism->nutation[0] * PetscCosReal(angle);
 }
 
-/* The direction, times its strength, towards which a place turns, and its derivatives by x. */
+/* The direction, times its strength, towards which a place turns, and its derivatives by x (may be
+   NULL). */
 void TropismPull(const Tropism *tropism, const PetscReal x[3], PetscReal pull[3],
-                 PetscReal by_x[3][3]);
+                 PetscReal (*by_x)[3]);
 
 /* What is sensed along d3, pull.d2, and along d2, -pull.d3. */
 static inline PetscReal TropismSensed(const TropismPlace *at, int bend, const PetscReal pull[3]) {

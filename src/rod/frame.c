@@ -319,13 +319,13 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
   PetscFunctionBegin;
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   if (rod->learned)
-    PetscCall(LearnedFill(rod, F, &F_));
+    PetscCall(LearnedFill(rod, &F_));
   else
     PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(first - 1, 0); i < PetscMin(end, rod->last); i++) {
     PetscReal r[FIELDS];
     CellsNext(&cell, i);
-    if (rod->learned) FrameLearnedResidual(rod, at->t, i, cell.h, cell.a, cell.mid, cell.b);
+    if (rod->learned) FrameLearnedResidual(rod, i, cell.h, cell.a, cell.mid, cell.b);
     CellResidual(frame, &cell, cell.u[i], cell.u[i + 1],
                  frame->feet ? (const PetscReal(*)[FOOT_LOAD])frame->feet[i - first + 1] : NULL, r);
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
@@ -337,7 +337,7 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
     TipResidual(&rod->scene->tip, &tip, TipDual(rod), &F_[rod->last][M]);
     for (int d = 0; d < 2 && cell.push && rod->scene->tip.type == TIP_FREE; d++)
       F_[rod->last][N1 + d] -= cell.push[2 * rod->last + 1][d];
-    if (rod->learned) FrameLearnedResidual(rod, at->t, rod->last, 0, cell.b, NULL, NULL);
+    if (rod->learned) FrameLearnedResidual(rod, rod->last, 0, cell.b, NULL, NULL);
   }
   if (rod->learned)
     PetscCall(LearnedFilled(rod, F));
@@ -546,7 +546,8 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
     CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
-    FrameLearnedCell(rod, i, cell.h, cell.a, cell.mid, cell.b, left, right, &learned);
+    FrameLearnedCell(rod, i, cell.h, cell.a, cell.mid, cell.b, PETSC_TRUE,
+                     (PetscBool)(i + 1 == rod->last), left, right, &learned);
     LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
@@ -661,7 +662,8 @@ static void Condense(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
   Rod rod = cell->rod;
   LearnedCell learned;
 
-  FrameLearnedCell(rod, i, cell->h, cell->a, cell->mid, cell->b, left, right, &learned);
+  FrameLearnedCell(rod, i, cell->h, cell->a, cell->mid, cell->b, new_a, new_b, left, right,
+                   &learned);
   if (new_a) LearnedNodeSlope(rod, i, &learned.slope[0], shift);
   if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[2], shift);
   LearnedCondense(rod, i, &learned, shift, left[0], right[0]);

@@ -63,10 +63,11 @@ PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_
 /* frame_learned.c */
 void FrameLearnedLaws(Rod rod, PetscReal t);
 PetscErrorCode FrameLearnedOpen(Rod rod, const RodState *at);
-void FrameLearnedResidual(Rod rod, PetscReal t, PetscInt i, PetscReal h, const Point *p,
-                          const Point *mid, const Point *b);
+void FrameLearnedResidual(Rod rod, PetscInt i, PetscReal h, const Point *p, const Point *mid,
+                          const Point *b);
 void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
-                      const Point *b, PetscReal left[FIELDS][FIELDS],
-                      PetscReal right[FIELDS][FIELDS], LearnedCell *cell);
+                      const Point *b, PetscBool at_a, PetscBool at_b,
+                      PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS],
+                      LearnedCell *cell);
 
 #endif

@@ -15,37 +15,31 @@ static void MidPlace(PetscReal k, const Point *a, const Point *b, PetscReal x[2]
     x[d] = (a->at.x[d] + b->at.x[d]) / 2 + k * (a->f[X1 + d] - b->f[X1 + d]);
 }
 
-static void Sense(const Tropism *law, const TropismPlace *at, PetscReal sensed[]) {
-  PetscReal pull[3], by_x[3][3];
-
-  sensed[0] = 0;
-  if (!law->senses) return;
-  TropismPull(law, at->x, pull, by_x);
-  sensed[0] = TropismSensed(at, 0, pull);
-}
-
-/* What a point senses, and its bends. */
-static void SeePoint(const Rod rod, const Law *law, const PetscReal x[2], const Point *p,
+/* What a place senses, where p is, and its bends. */
+static void SeePoint(const Rod rod, PetscInt place, const PetscReal x[2], const Point *p,
                      LearnedPoint *point) {
+  const Law *law = &((const Frame *)rod->data)->law[place];
+  const Tropism *tropism = &rod->scene->tropism;
+  PetscReal pull[3] = {0};
   TropismPlace at;
 
   PlaceOf(x, p->at.q, &at);
-  Sense(&rod->scene->tropism, &at, point->sensed);
+  if (LearnedSenses(rod, place)) TropismPull(tropism, at.x, pull, NULL);
+  point->sensed[0] = TropismSensed(&at, 0, pull);
   point->natural[0] = law->k0;
   point->elastic[0] = p->m * law->flex;
 }
 
 /* ... and how these change with x, theta and m there: d2 turns by -d1. */
-static void SeeSlope(const Rod rod, const Law *law, const PetscReal x[2], const Point *p,
+static void SeeSlope(const Rod rod, PetscInt place, const PetscReal x[2], const Point *p,
                      LearnedSlope *slope) {
-  const Tropism *tropism = &rod->scene->tropism;
   const PetscReal *q = p->at.q;
   PetscReal pull[3], by_x[3][3];
 
   memset(slope, 0, sizeof(*slope));
-  slope->elastic[0][M] = law->flex;
-  if (!tropism->senses) return;
-  TropismPull(tropism, (const PetscReal[3]){x[0], x[1], 0}, pull, by_x);
+  slope->elastic[0][M] = ((const Frame *)rod->data)->law[place].flex;
+  if (!LearnedSenses(rod, place)) return;
+  TropismPull(&rod->scene->tropism, (const PetscReal[3]){x[0], x[1], 0}, pull, by_x);
   slope->sensed[0][TH] = -(pull[0] * q[0] + pull[1] * q[1]);
   for (int d = 0; d < 2; d++) slope->sensed[0][X1 + d] = q[0] * by_x[1][d] - q[1] * by_x[0][d];
 }
@@ -81,22 +75,22 @@ PetscErrorCode FrameLearnedOpen(Rod rod, const RodState *at) {
 
 /* FrameLearnedResidual - of node i, which is p; mid: of the cell behind it, between it and b; NULL:
    it is the last. */
-void FrameLearnedResidual(Rod rod, PetscReal t, PetscInt i, PetscReal h, const Point *p,
-                          const Point *mid, const Point *b) {
+void FrameLearnedResidual(Rod rod, PetscInt i, PetscReal h, const Point *p, const Point *mid,
+                          const Point *b) {
   const Frame *frame = (const Frame *)rod->data;
   const PetscInt place = 2 * (i - rod->first + 1);
   LearnedPoint point;
   PetscReal x[2];
 
-  SeePoint(rod, &frame->law[place], p->at.x, p, &point);
-  LearnedResidual(rod, t, place, &point);
+  SeePoint(rod, place, p->at.x, p, &point);
+  LearnedResidual(rod, place, &point);
   if (!mid) {
     if (rod->learned->at_tip) LearnedSignalResidual(rod, point.sensed);
     return;
   }
   MidPlace(frame->bow * h, p, b, x);
-  SeePoint(rod, &frame->law[place + 1], x, mid, &point);
-  LearnedResidual(rod, t, place + 1, &point);
+  SeePoint(rod, place + 1, x, mid, &point);
+  LearnedResidual(rod, place + 1, &point);
 }
 
 /* The unknowns in the middle by those of one end, and by the bend learned there; k = bow h, -bow h
@@ -130,19 +124,22 @@ static void ColumnOf(PetscReal J[FIELDS][FIELDS], PetscReal own, PetscReal in_mi
   }
 }
 
-/* FrameLearnedCell - a cell's part, from its equations by its nodes. */
+/* FrameLearnedCell - a cell's part, from its equations by its nodes; the slopes at these where they
+   are asked for. */
 void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
-                      const Point *b, PetscReal left[FIELDS][FIELDS],
-                      PetscReal right[FIELDS][FIELDS], LearnedCell *cell) {
+                      const Point *b, PetscBool at_a, PetscBool at_b,
+                      PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS],
+                      LearnedCell *cell) {
   const Frame *frame = (const Frame *)rod->data;
-  const Law *law = frame->law + 2 * (i - rod->first + 1);
+  const PetscInt place = 2 * (i - rod->first + 1);
+  const Law *law = frame->law + place;
   const PetscReal k = frame->bow * h, wm = h * frame->mid_weight * law[1].g;
   PetscReal x[2];
 
   MidPlace(k, a, b, x);
-  SeeSlope(rod, law, a->at.x, a, &cell->slope[0]);
-  SeeSlope(rod, law + 1, x, mid, &cell->slope[1]);
-  SeeSlope(rod, law + 2, b->at.x, b, &cell->slope[2]);
+  if (at_a) SeeSlope(rod, place, a->at.x, a, &cell->slope[0]);
+  SeeSlope(rod, place + 1, x, mid, &cell->slope[1]);
+  if (at_b) SeeSlope(rod, place + 2, b->at.x, b, &cell->slope[2]);
   MidByEnd(k, law, a, cell->by_node[0], cell->by_bend[0][0]);
   MidByEnd(-k, law + 2, b, cell->by_node[1], cell->by_bend[1][0]);
   ColumnOf(left, -1, -wm * law[1].flex / 2, law[0].flex, cell->column[0][0]);

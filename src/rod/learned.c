@@ -6,9 +6,9 @@
 static void FindDrive(Rod rod) {
   const Tropism *law = &rod->scene->tropism;
   const PetscReal clamp[3] = {0};
-  PetscReal pull[3] = {0}, by_x[3][3];
+  PetscReal pull[3] = {0};
 
-  if (law->senses) TropismPull(law, clamp, pull, by_x);
+  if (law->senses) TropismPull(law, clamp, pull, NULL);
   for (int d = 0; d < 2; d++)
     rod->learned->drive[d] =
         rod->scene->reach * (PetscAbsReal(pull[1 + d]) + PetscAbsReal(law->nutation[d]));
@@ -103,7 +103,7 @@ void LearnedScale(Rod rod, PetscReal scale[]) {
     }
 }
 
-/* Mechanics and states of the nodes first - 1 .. end of a vector, apart. */
+/* Mechanics and states of the nodes first - 1 .. end of a vector, apart; states NULL: not these. */
 static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
   const Learned self = rod->learned;
   const PetscInt fields = rod->model->fields, from = PetscMax(rod->first - 1, 0),
@@ -116,42 +116,33 @@ static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
   for (PetscInt i = from; i <= to; i++) {
     const PetscInt n = i - rod->first + 1;
     memcpy(mech + n * self->mech, v + i * fields, (size_t)self->mech * sizeof(*v));
-    memcpy(states + 2 * n * self->per, v + i * fields + self->mech,
-           2 * (size_t)self->per * sizeof(*v));
+    if (states)
+      memcpy(states + 2 * n * self->per, v + i * fields + self->mech,
+             2 * (size_t)self->per * sizeof(*v));
   }
   PetscCall(RodClose(rod, &local, &v));
   PetscFunctionReturn(0);
 }
 
-/* ... the mechanics alone. */
-static PetscErrorCode PartMechanics(Rod rod, Vec V, PetscReal *mech) {
-  const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields, from = PetscMax(rod->first - 1, 0),
-                 to = PetscMin(rod->end, rod->last);
-  const PetscReal *v;
-  Vec local;
+/* What the last rank has of a signal, to all. */
+static PetscErrorCode FromLastRank(const Rod rod, PetscReal signal[]) {
+  PetscMPIInt ranks;
 
   PetscFunctionBegin;
-  PetscCall(RodOpen(rod, V, &local, &v));
-  for (PetscInt i = from; i <= to; i++)
-    memcpy(mech + (i - rod->first + 1) * self->mech, v + i * fields,
-           (size_t)self->mech * sizeof(*v));
-  PetscCall(RodClose(rod, &local, &v));
+  if (rod->alone) PetscFunctionReturn(0);
+  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  PetscCallMPI(MPI_Bcast(signal, TROPISM_BENDS, MPIU_REAL, ranks - 1, rod->scene->comm));
   PetscFunctionReturn(0);
 }
 
-/* What the last rank has of the signal, to all. */
+/* ... among its states. */
 static PetscErrorCode ShareSignal(Rod rod, const PetscReal *states, PetscReal signal[]) {
-  PetscMPIInt ranks;
-
   PetscFunctionBegin;
   if (!rod->learned->at_tip) PetscFunctionReturn(0);
   if (rod->end > rod->last)
     memcpy(signal, states + SignalPlace(rod) * rod->learned->per,
            (size_t)rod->learned->bends * sizeof(*signal));
-  if (rod->alone) PetscFunctionReturn(0);
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  PetscCallMPI(MPI_Bcast(signal, TROPISM_BENDS, MPIU_REAL, ranks - 1, rod->scene->comm));
+  PetscCall(FromLastRank(rod, signal));
   PetscFunctionReturn(0);
 }
 
@@ -179,16 +170,17 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
                            GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
   PetscCall(ShareSignal(rod, self->k, self->signal));
   PetscCall(ShareSignal(rod, self->k_t, self->signal_t));
+  for (int b = 0; b < TROPISM_BENDS; b++)
+    self->nutation[b] = TropismNutation(&rod->scene->tropism, b, at->t);
   PetscFunctionReturn(0);
 }
 
 /* LearnedFill - an array for the residual of the mechanics, indexed by node; that of states is
    beside it. */
-PetscErrorCode LearnedFill(Rod rod, Vec F, void *array) {
+PetscErrorCode LearnedFill(Rod rod, void *array) {
   Learned self = rod->learned;
 
   PetscFunctionBegin;
-  (void)F;
   PetscCall(PetscArrayzero(self->rows, 2 * (rod->end - rod->first + 2) * self->per));
   *(PetscReal **)array = self->row - rod->first * self->mech;
   PetscFunctionReturn(0);
@@ -216,7 +208,7 @@ PetscErrorCode LearnedFilled(Rod rod, Vec F) {
 
 /* LearnedResidual - that of the states of a place: Dk/Dt - a (f - G u + I m/B + nutation), and
    T Df/Dt + f - S. */
-void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *point) {
+void LearnedResidual(Rod rod, PetscInt place, const LearnedPoint *point) {
   Learned self = rod->learned;
   const Tropism *law = &rod->scene->tropism;
   const PetscReal *k = self->k + place * self->per, *k_t = self->k_t + place * self->per;
@@ -228,9 +220,8 @@ void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *p
     const PetscReal f = self->at_tip      ? self->signal[b]
                         : self->remembers ? k[self->bends + b]
                                           : point->sensed[b];
-    row[b] =
-        k_t[b] - self->clock[place] * TropismDrive(law, f, point->natural[b], point->elastic[b],
-                                                   TropismNutation(law, (int)b, t));
+    row[b] = k_t[b] - self->clock[place] * TropismDrive(law, f, point->natural[b],
+                                                        point->elastic[b], self->nutation[b]);
     if (self->remembers)
       row[self->bends + b] = law->memory * k_t[self->bends + b] + f - point->sensed[b];
   }
@@ -247,9 +238,10 @@ void LearnedSignalResidual(Rod rod, const PetscReal sensed[]) {
 
 /* ---- what a linear solve eliminates ---- */
 
-/* The row of a place from its slopes; shift: of its first state. */
-static void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
-                    const PetscReal shift[], LearnedRow *row) {
+/* The row of a place from its slopes; shift: of its first state. n, bends: as in LearnedCreate(),
+   here and below, where the compiler knows them. */
+ALWAYS_INLINE void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
+                           const PetscReal shift[], PetscInt n, PetscInt bends, LearnedRow *row) {
   const Learned self = rod->learned;
   const Tropism *law = &rod->scene->tropism;
   const PetscReal a = self->clock[place];
@@ -259,15 +251,15 @@ static void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
     return;
   }
   row->clock = a;
-  for (PetscInt b = 0; b < self->bends; b++) {
-    const PetscReal memory = self->remembers ? 1 + law->memory * shift[self->bends + b] : 1,
+  for (PetscInt b = 0; b < bends; b++) {
+    const PetscReal memory = self->remembers ? 1 + law->memory * shift[bends + b] : 1,
                     own = shift[b] + a * law->proprioception,
                     senses = self->at_tip ? 0 : a / (own * memory),
                     gives = a / own * (law->ironing - law->proprioception);
     row->own[b] = own;
     row->own_memory[b] = memory;
     row->signal[b] = self->at_tip ? a / own : 0;
-    for (PetscInt f = 0; f < self->mech; f++)
+    for (PetscInt f = 0; f < n; f++)
       row->by[b][f] = senses * slope->sensed[b][f] + gives * slope->elastic[b][f];
   }
   if (self->remembers) memcpy(row->sensed, slope->sensed, sizeof(row->sensed));
@@ -276,9 +268,13 @@ static void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
 /* LearnedNodeSlope - that of node i: before the cells beside it are condensed. shift: of all
    fields. */
 void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal shift[]) {
-  const PetscInt n = i - rod->first + 1;
+  const PetscInt at = i - rod->first + 1;
+  LearnedRow *row = &rod->learned->node[at];
 
-  MakeRow(rod, 2 * n, slope, shift + rod->learned->mech, &rod->learned->node[n]);
+  if (rod->learned->mech == LINE_FIELDS)
+    MakeRow(rod, 2 * at, slope, shift + LINE_FIELDS, LINE_FIELDS, 1, row);
+  else
+    MakeRow(rod, 2 * at, slope, shift + WIDE_FIELDS, WIDE_FIELDS, TROPISM_BENDS, row);
 }
 
 /* y += s x, of the mechanics' unknowns. */
@@ -302,26 +298,26 @@ ALWAYS_INLINE void AddOuter(PetscInt n, const PetscReal column[], const PetscRea
 }
 
 /* The bends in the middle of a cell by the unknowns and the bends at both ends. */
-static void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell, const PetscReal shift[],
-                    LearnedFactor *factor) {
+ALWAYS_INLINE void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell,
+                           const PetscReal shift[], PetscInt n, PetscInt bends,
+                           LearnedFactor *factor) {
   const Learned self = rod->learned;
   LearnedRow *row = &factor->at_mid;
 
-  MakeRow(rod, place, &cell->slope[1], shift + self->mech + self->per, row);
-  for (PetscInt b = 0; b < self->bends; b++)
+  MakeRow(rod, place, &cell->slope[1], shift + n + self->per, n, bends, row);
+  for (PetscInt b = 0; b < bends; b++)
     for (int e = 0; e < 2; e++) {
       memset(factor->mid[e][b], 0, sizeof(factor->mid[e][b]));
-      for (PetscInt f = 0; f < self->mech; f++)
-        if (row->by[b][f] != 0)
-          Add(self->mech, row->by[b][f], cell->by_node[e][f], factor->mid[e][b]);
-      for (PetscInt c = 0; c < self->bends; c++)
-        factor->chain[e][b][c] = Times(self->mech, row->by[b], cell->by_bend[e][c]);
+      for (PetscInt f = 0; f < n; f++)
+        if (row->by[b][f] != 0) Add(n, row->by[b][f], cell->by_node[e][f], factor->mid[e][b]);
+      for (PetscInt c = 0; c < bends; c++)
+        factor->chain[e][b][c] = Times(n, row->by[b], cell->by_bend[e][c]);
       if (!self->remembers) continue;
       memset(factor->sensed[e][b], 0, sizeof(factor->sensed[e][b]));
-      for (PetscInt f = 0; f < self->mech; f++)
-        Add(self->mech, row->sensed[b][f], cell->by_node[e][f], factor->sensed[e][b]);
-      for (PetscInt c = 0; c < self->bends; c++)
-        factor->sensed_chain[e][b][c] = Times(self->mech, row->sensed[b], cell->by_bend[e][c]);
+      for (PetscInt f = 0; f < n; f++)
+        Add(n, row->sensed[b][f], cell->by_node[e][f], factor->sensed[e][b]);
+      for (PetscInt c = 0; c < bends; c++)
+        factor->sensed_chain[e][b][c] = Times(n, row->sensed[b], cell->by_bend[e][c]);
     }
 }
 
@@ -332,7 +328,7 @@ ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const 
   LearnedFactor *factor = &self->cell[at];
   PetscReal *const J[2] = {left, right};
 
-  MakeMid(rod, 2 * at + 1, cell, shift, factor);
+  MakeMid(rod, 2 * at + 1, cell, shift, n, bends, factor);
   memcpy(factor->column, cell->column, sizeof(factor->column));
   for (int e = 0; e < 2; e++) {
     const LearnedRow *end = &self->node[at + e];
@@ -364,7 +360,8 @@ void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscRe
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]) {
   const PetscInt at = i - rod->first + 1;
 
-  MakeMid(rod, 2 * at + 1, cell, shift, &rod->learned->cell[at]);
+  MakeMid(rod, 2 * at + 1, cell, shift, rod->learned->mech, rod->learned->bends,
+          &rod->learned->cell[at]);
 }
 
 /* LearnedSignalSlope - of the tip's signal by the last node's unknowns. */
@@ -459,15 +456,12 @@ static void BorderOf(const Rod rod, PetscInt bend, PetscReal *w) {
 /* What the tip's signal would be by an owned part of the unknowns; on all ranks. */
 static PetscErrorCode SignalBy(const Rod rod, const PetscReal *x, PetscReal signal[]) {
   const Learned self = rod->learned;
-  PetscMPIInt ranks;
 
   PetscFunctionBegin;
   signal[0] = signal[1] = 0;
   for (PetscInt b = 0; b < self->bends && rod->end > rod->last; b++)
     signal[b] = Times(self->mech, self->tip[b], x + (rod->last - rod->first) * self->mech);
-  if (rod->alone) PetscFunctionReturn(0);
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  PetscCallMPI(MPI_Bcast(signal, TROPISM_BENDS, MPIU_REAL, ranks - 1, rod->scene->comm));
+  PetscCall(FromLastRank(rod, signal));
   PetscFunctionReturn(0);
 }
 
@@ -598,7 +592,7 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
   Fold(rod, self->b);
   PetscCall(SolveBordered(rod, signal));
   PetscCall(Put(rod, self->x, NULL, x));
-  PetscCall(PartMechanics(rod, x, self->beside));
+  PetscCall(Part(rod, x, self->beside, NULL));
   for (PetscInt i = from; i <= to; i++)
     UnfoldNode(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
   for (PetscInt i = from; i < to; i++)
@@ -646,13 +640,11 @@ PetscErrorCode LearnedSetType(PC pc, Rod rod, Elimination elimination) {
    they go by. Collective. */
 PetscErrorCode LearnedGet(Rod rod, Vec U, Node *nodes) {
   const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields;
   PetscReal signal[TROPISM_BENDS] = {0}, *states = self->rhs;
 
   PetscFunctionBegin;
   PetscCall(Part(rod, U, self->beside, states));
   PetscCall(ShareSignal(rod, states, signal));
-  (void)fields;
   for (PetscInt i = rod->first; i < rod->end; i++)
     for (int half = 0; half < 2; half++)
       for (PetscInt b = 0; b < self->bends; b++) {
@@ -694,34 +686,34 @@ static PetscReal Label(const Rod rod, PetscInt place) {
   return place % 2 ? (s[place / 2] + s[place / 2 + 1]) / 2 : s[place / 2];
 }
 
-enum { STENCIL = LEARNED_STENCIL };
-
 /* Beyond the clamp of a rod that is fed the field goes on oddly: what is fed in has learned
- * nothing.
- */
-static PetscReal LabelOf(const PetscReal *label, PetscInt place) {
-  return place < 0 ? -label[-place] : label[place];
+   nothing. Arrays of places have so many before the first. */
+enum { STENCIL = LEARNED_STENCIL, BEYOND = STENCIL / 2 - 1 };
+
+static void GoOnOddly(PetscInt width, PetscReal *first) {
+  for (PetscInt k = 1; k <= BEYOND; k++)
+    for (PetscInt c = 0; c < width; c++) first[-k * width + c] = -first[k * width + c];
 }
 
 /* What the weights of places first .. first + STENCIL - 1 are divided by, for all first places from
-   1 - STENCIL / 2 on. */
+   -BEYOND on. */
 static void FindDivisors(const PetscReal *label, PetscInt last, PetscReal (*over)[STENCIL]) {
-  for (PetscInt first = 1 - STENCIL / 2; first + STENCIL <= last + 1; first++)
+  for (PetscInt first = -BEYOND; first + STENCIL <= last + 1; first++)
     for (int i = 0; i < STENCIL; i++) {
       PetscReal product = 1;
       for (int j = 0; j < STENCIL; j++)
-        if (j != i) product *= LabelOf(label, first + i) - LabelOf(label, first + j);
-      over[first - (1 - STENCIL / 2)][i] = 1 / product;
+        if (j != i) product *= label[first + i] - label[first + j];
+      over[first + BEYOND][i] = 1 / product;
     }
 }
 
-/* The weights of places first .. first + STENCIL - 1 for a value at a label. */
-static void Weights(const PetscReal *label, const PetscReal over[STENCIL], PetscInt first,
-                    PetscReal at, PetscReal w[STENCIL]) {
+/* The weights of places for a value at a label, by the labels of these. */
+static void Weights(const PetscReal label[STENCIL], const PetscReal over[STENCIL], PetscReal at,
+                    PetscReal w[STENCIL]) {
   PetscReal away[STENCIL], before = 1, behind = 1;
 
   for (int i = 0; i < STENCIL; i++) {
-    away[i] = at - LabelOf(label, first + i);
+    away[i] = at - label[i];
     w[i] = over[i] * before;
     before *= away[i];
   }
@@ -737,14 +729,15 @@ static PetscErrorCode FindLabels(Rod rod) {
   const PetscInt last = 2 * rod->last;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(last + 1, &self->label));
+  PetscCall(PetscMalloc1(BEYOND + last + 1, &self->label));
   PetscCall(PetscMalloc1((last + 1) * STENCIL, (PetscReal **)&self->over));
-  for (PetscInt i = 0; i <= last; i++) self->label[i] = Label(rod, i);
-  FindDivisors(self->label, last, self->over);
+  for (PetscInt i = 0; i <= last; i++) self->label[BEYOND + i] = Label(rod, i);
+  GoOnOddly(1, self->label + BEYOND);
+  FindDivisors(self->label + BEYOND, last, self->over);
   PetscFunctionReturn(0);
 }
 
-/* All places of a vector's states, node after node, on every rank. */
+/* All places of a vector's states, node after node, on every rank; and those beyond the clamp. */
 static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
   const Learned self = rod->learned;
   const PetscInt fields = rod->model->fields, width = 2 * self->per, n = rod->end - rod->first;
@@ -757,7 +750,10 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
     for (PetscInt f = 0; f < width; f++)
       all[(rod->first + i) * width + f] = PetscRealPart(v[i * fields + self->mech + f]);
   PetscCall(VecRestoreArrayRead(V, &v));
-  if (rod->alone) PetscFunctionReturn(0);
+  if (rod->alone) {
+    GoOnOddly(self->per, all);
+    PetscFunctionReturn(0);
+  }
   PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
   PetscCall(PetscMalloc2(ranks, &many, ranks, &from));
   {
@@ -768,6 +764,7 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
   PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, many, from, MPIU_REAL,
                               rod->scene->comm));
   PetscCall(PetscFree2(many, from));
+  GoOnOddly(self->per, all);
   PetscFunctionReturn(0);
 }
 
@@ -784,13 +781,10 @@ static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all
   if (label[*place] > at) *place = 0;
   while (*place + 1 < last && label[*place + 1] <= at) (*place)++;
   first = PetscMax(least, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
-  Weights(label, rod->learned->over[first - (1 - STENCIL / 2)], first, at, w);
+  Weights(label + first, rod->learned->over[first + BEYOND], at, w);
   for (PetscInt c = 0; c < per; c++) {
     k[c] = 0;
-    for (int i = 0; i < STENCIL; i++) {
-      const PetscInt j = first + i;
-      k[c] += sign * w[i] * (j < 0 ? -all[-j * per + c] : all[j * per + c]);
-    }
+    for (int i = 0; i < STENCIL; i++) k[c] += sign * w[i] * all[(first + i) * per + c];
   }
 }
 
@@ -819,7 +813,8 @@ PetscErrorCode LearnedTimesRate(Rod rod, Vec V) {
 
 /*
   LearnedCarry - makes of a sum of points times their weights, at fixed labels, one along the
-  material: to U_t that is D/Dt then (docs/theory/growth.md). Collective.
+  material: to U_t that is D/Dt then (docs/theory/growth.md). Of a rod of which LearnedCarries();
+  collective.
 
   t, times  of the sum, and of its points, which are earlier
   weight    of each point, for each field
@@ -830,17 +825,16 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
   const Growth growth = rod->scene->growth;
   const PetscInt fields = rod->model->fields, per = self->per, last = 2 * rod->last,
                  begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1),
-                 least =
-                     LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? 1 - STENCIL / 2 : 0;
+                 least = LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? -BEYOND : 0;
   const PetscReal *label;
-  PetscReal *from, *all, k[2 * TROPISM_BENDS];
+  PetscReal *from, *room, *all, k[2 * TROPISM_BENDS];
   PetscScalar *x;
 
   PetscFunctionBegin;
-  if (!growth->slides) PetscFunctionReturn(0);
-  PetscCall(PetscMalloc2(last + 1, &from, (last + 2) * per, &all));
+  PetscCall(PetscMalloc2(last + 1, &from, (BEYOND + last + 2) * per, &room));
   if (!self->label) PetscCall(FindLabels(rod));
-  label = self->label;
+  label = self->label + BEYOND;
+  all = room + BEYOND * per;
   PetscCall(VecGetArray(sum, &x));
   for (PetscInt j = 0; j < m; j++) {
     PetscInt at = 0;
@@ -854,7 +848,7 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
     }
   }
   PetscCall(VecRestoreArray(sum, &x));
-  PetscCall(PetscFree2(from, all));
+  PetscCall(PetscFree2(from, room));
   PetscFunctionReturn(0);
 }
 

@@ -53,6 +53,7 @@ typedef struct Learned_ {
   PetscReal *u, *u_t;        /* mechanics of nodes first - 1 .. end; node i at i - first + 1 */
   PetscReal *k, *k_t;        /* states; places as of laws: 2 (i - first + 1) + half */
   PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
+  PetscReal nutation[TROPISM_BENDS]; /* at the time of the state */
   PetscBool born;     /* node 0 is here, and material comes in there: it has learned nothing */
   PetscReal drive[2]; /* how much it bends a straight rod towards x2, x3 */
   PetscReal *given, *clock; /* of places: natural bends that are given, a */
@@ -74,9 +75,9 @@ PetscErrorCode LearnedDestroy(Rod rod);
 PetscErrorCode LearnedBegin(Rod rod, Vec U);
 void LearnedScale(Rod rod, PetscReal scale[]);
 PetscErrorCode LearnedOpen(Rod rod, const RodState *at);
-PetscErrorCode LearnedFill(Rod rod, Vec F, void *array);
+PetscErrorCode LearnedFill(Rod rod, void *array);
 PetscErrorCode LearnedFilled(Rod rod, Vec F);
-void LearnedResidual(Rod rod, PetscReal t, PetscInt place, const LearnedPoint *point);
+void LearnedResidual(Rod rod, PetscInt place, const LearnedPoint *point);
 void LearnedSignalResidual(Rod rod, const PetscReal sensed[]);
 void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal shift[]);
 void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
@@ -101,6 +102,14 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
 /* The states of a place, and their rates. */
 static inline PetscReal *LearnedAt(const struct Learned_ *self, PetscInt place) {
   return self->k + place * self->per;
+}
+
+/* Is anything sensed at a place? Where the tip does it for all of the rod, at the last node alone.
+ */
+static inline PetscBool LearnedSenses(const Rod rod, PetscInt place) {
+  const Tropism *law = &rod->scene->tropism;
+
+  return (PetscBool)(law->senses && (!law->at_tip || place == 2 * (rod->last - rod->first + 1)));
 }
 
 #endif

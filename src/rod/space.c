@@ -59,12 +59,12 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
   PetscFunctionBegin;
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   if (rod->learned)
-    PetscCall(LearnedFill(rod, F, &F_));
+    PetscCall(LearnedFill(rod, &F_));
   else
     PetscCall(DMDAVecGetArray(rod->da, F, &F_));
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
-    if (rod->learned) SpaceLearnedResidual(rod, at->t, i, cell.a, cell.mid);
+    if (rod->learned) SpaceLearnedResidual(rod, i, cell.a, cell.mid);
     for (int f = 0; f < FIELDS; f++)
       r[f] = cell.u[i + 1][f] - cell.u[i][f] -
              cell.h * (self->end_weight * (cell.a->f[f] + cell.b->f[f]) +
@@ -81,7 +81,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
       F_[rod->last][N + d] -= cell.push[2 * rod->last + 1][d];
       if (cell.couple) F_[rod->last][M + d] -= cell.couple[2 * rod->last + 1][d];
     }
-    if (rod->learned) SpaceLearnedResidual(rod, at->t, rod->last, cell.b, NULL);
+    if (rod->learned) SpaceLearnedResidual(rod, rod->last, cell.b, NULL);
   }
   if (rod->learned)
     PetscCall(LearnedFilled(rod, F));

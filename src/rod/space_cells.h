@@ -183,8 +183,8 @@ PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes);
 /* space_learned.c */
 void SpaceLearnedLaws(Rod rod, PetscReal t);
 PetscErrorCode SpaceLearnedOpen(Rod rod, const RodState *at);
-void SpaceLearnedResidual(Rod rod, PetscReal t, PetscInt i, const Point *p, const Point *mid);
-void SpaceLearnedSlope(const Rod rod, const Law *law, const Point *p, LearnedSlope *slope);
+void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid);
+void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, LearnedSlope *slope);
 void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4]);
 
 /* space_defect.c */

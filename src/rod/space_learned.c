@@ -13,14 +13,14 @@ static void PlaceOf(const Point *p, TropismPlace *place) {
   memcpy(place->d3, p->d[2], sizeof(place->d3));
 }
 
-/* What a point senses, and its bends. */
-static void SeePoint(const Rod rod, const Law *law, const Point *p, LearnedPoint *point) {
-  const Tropism *tropism = &rod->scene->tropism;
-  PetscReal pull[3] = {0}, by_x[3][3];
+/* What a place senses, where p is, and its bends. */
+static void SeePoint(const Rod rod, PetscInt place, const Point *p, LearnedPoint *point) {
+  const Law *law = &((const Space_ *)rod->data)->law[place];
+  PetscReal pull[3] = {0};
   TropismPlace at;
 
   PlaceOf(p, &at);
-  if (tropism->senses) TropismPull(tropism, at.x, pull, by_x);
+  if (LearnedSenses(rod, place)) TropismPull(&rod->scene->tropism, at.x, pull, NULL);
   for (int b = 0; b < TROPISM_BENDS; b++) {
     point->sensed[b] = TropismSensed(&at, b, pull);
     point->natural[b] = law->u0[turn[b]];
@@ -29,12 +29,13 @@ static void SeePoint(const Rod rod, const Law *law, const Point *p, LearnedPoint
 }
 
 /* SpaceLearnedSlope - how these change with x, p and m there. */
-void SpaceLearnedSlope(const Rod rod, const Law *law, const Point *p, LearnedSlope *slope) {
-  const Tropism *tropism = &rod->scene->tropism;
+void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, LearnedSlope *slope) {
+  const Law *law = &((const Space_ *)rod->data)->law[place];
+  const PetscBool senses = LearnedSenses(rod, place);
   PetscReal pull[3] = {0}, by_x[3][3] = {{0}};
 
   memset(slope, 0, sizeof(*slope));
-  if (tropism->senses) TropismPull(tropism, p->at.x, pull, by_x);
+  if (senses) TropismPull(&rod->scene->tropism, p->at.x, pull, by_x);
   for (int b = 0; b < TROPISM_BENDS; b++) {
     const int k = turn[b], along = b ? 2 : 1; /* sensed about d3 is along d2, about d2 along -d3 */
     const PetscReal sign = b ? -1 : 1;
@@ -44,7 +45,7 @@ void SpaceLearnedSlope(const Rod rod, const Law *law, const Point *p, LearnedSlo
       slope->elastic[b][M + i] = law->flex[k] * p->d[k][i];
       for (int j = 0; j < 4; j++) slope->elastic[b][P + j] += law->flex[k] * D[i][j] * p->m[i];
     }
-    if (!tropism->senses) continue;
+    if (!senses) continue;
     DirectorSlope(p->p, p->size, p->d[along], along, D);
     for (int i = 0; i < 3; i++) {
       for (int j = 0; j < 4; j++) slope->sensed[b][P + j] += sign * pull[i] * D[i][j];
@@ -91,19 +92,18 @@ PetscErrorCode SpaceLearnedOpen(Rod rod, const RodState *at) {
 
 /* SpaceLearnedResidual - of node i, which is p, and of the middle of the cell behind it; NULL: it
    is the last. */
-void SpaceLearnedResidual(Rod rod, PetscReal t, PetscInt i, const Point *p, const Point *mid) {
-  const Space_ *self = (const Space_ *)rod->data;
+void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid) {
   const PetscInt place = 2 * (i - rod->first + 1);
   LearnedPoint point;
 
-  SeePoint(rod, &self->law[place], p, &point);
-  LearnedResidual(rod, t, place, &point);
+  SeePoint(rod, place, p, &point);
+  LearnedResidual(rod, place, &point);
   if (!mid) {
     if (rod->learned->at_tip) LearnedSignalResidual(rod, point.sensed);
     return;
   }
-  SeePoint(rod, &self->law[place + 1], mid, &point);
-  LearnedResidual(rod, t, place + 1, &point);
+  SeePoint(rod, place + 1, mid, &point);
+  LearnedResidual(rod, place + 1, &point);
 }
 
 /* SpaceLearnedTurn - p' by a bend: g/2 p (0, 1 along it). */

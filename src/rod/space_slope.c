@@ -461,19 +461,23 @@ static void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid, PetscR
   }
 }
 
-/* What the material of a cell has learned, for learned.h. */
-static void LearnedOf(const Cell *cell, const Slopes *slopes, LearnedCell *learned) {
+/* What the material of cell i has learned, for learned.h; slopes at its nodes where they are asked
+   for. */
+static void LearnedOf(const Cell *cell, PetscInt i, const Slopes *slopes, PetscBool at_a,
+                      PetscBool at_b, LearnedCell *learned) {
   const Space_ *self = (const Space_ *)cell->rod->data;
+  const PetscInt place = 2 * (i - cell->rod->first + 1);
+  const PetscBool asked[3] = {at_a, PETSC_TRUE, at_b};
   const Point *at[3] = {cell->a, cell->mid, cell->b};
   const Slope *end[2] = {&slopes->a, &slopes->b};
 
   for (int k = 0; k < 3; k++)
-    SpaceLearnedSlope(cell->rod, &cell->law[k], at[k], &learned->slope[k]);
+    if (asked[k]) SpaceLearnedSlope(cell->rod, place + k, at[k], &learned->slope[k]);
   for (int e = 0; e < 2; e++) {
     const PetscReal k = (e ? -1 : 1) * self->bow * cell->h;
-    for (int i = 0; i < FIELDS; i++)
+    for (int r = 0; r < FIELDS; r++)
       for (int j = 0; j < FIELDS; j++)
-        learned->by_node[e][i][j] = k * end[e]->f[i][j] + (i == j ? 0.5 : 0);
+        learned->by_node[e][r][j] = k * end[e]->f[r][j] + (r == j ? 0.5 : 0);
     for (int b = 0; b < TROPISM_BENDS; b++)
       ColumnOf(cell, e, b, &slopes->mid, learned->column[2 * e][b], learned->by_bend[e][b]);
   }
@@ -492,7 +496,7 @@ static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscR
                      PetscReal right[FIELDS][FIELDS]) {
   LearnedCell learned;
 
-  LearnedOf(cell, slopes, &learned);
+  LearnedOf(cell, i, slopes, first, PETSC_TRUE, &learned);
   if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[0], shift);
   LearnedNodeSlope(cell->rod, i + 1, &learned.slope[2], shift);
   LearnedCondense(cell->rod, i, &learned, shift, left[0], right[0]);
@@ -515,7 +519,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
-    LearnedOf(&cell, &slopes, &learned);
+    LearnedOf(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
     LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],

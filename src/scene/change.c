@@ -136,12 +136,6 @@ static PetscErrorCode By(Scene scene, const Asked *asked, PetscInt k, PetscReal 
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Malformed(Scene scene, const Asked *asked, const char *form) {
-  PetscFunctionBegin;
-  UserCheck(PETSC_FALSE, scene->comm, "%s: give %s", asked->name, form);
-  PetscFunctionReturn(0);
-}
-
 static const char *RefusesFeed(Scene scene, PetscReal t) {
   return strcmp(scene->growth->type, "feed") ? "only a rod that is fed has a speed of feeding: "
                                                "-growth_type feed"
@@ -256,7 +250,6 @@ static PetscErrorCode ChangeWallTo(Scene scene, const Asked *asked) {
   PetscReal by;
 
   PetscFunctionBegin;
-  if (asked->n < 4) PetscCall(Malformed(scene, asked, "LINE T X1 X2, in space X3, too"));
   PetscCall(By(scene, asked, 1, &by));
   PetscCall(MoveWall(scene, asked, by, 2));
   PetscFunctionReturn(0);
@@ -264,7 +257,6 @@ static PetscErrorCode ChangeWallTo(Scene scene, const Asked *asked) {
 
 static PetscErrorCode ChangeWallAt(Scene scene, const Asked *asked) {
   PetscFunctionBegin;
-  if (asked->n < 3) PetscCall(Malformed(scene, asked, "LINE X1 X2, in space X3, too"));
   PetscCall(MoveWall(scene, asked, asked->t, 1));
   PetscFunctionReturn(0);
 }
@@ -317,7 +309,6 @@ static PetscErrorCode ChangeTipPlace(Scene scene, const Asked *asked) {
   PetscReal by, lab[3], x[3], length, away = 0;
 
   PetscFunctionBegin;
-  if (asked->n < 3) PetscCall(Malformed(scene, asked, "T X1 X2, in space X3, too"));
   PetscCall(By(scene, asked, 0, &by));
   PetscCall(Shift(scene, asked, 1, lab));
   for (int i = 0; i < 3; i++) {
@@ -451,23 +442,27 @@ PetscErrorCode SceneChange(Scene scene, const char *name, const char *value, Pet
 }
 
 /* SceneHasRoom - is none of the rod's places, in the clamp's frame, where -wall_at puts a surface?
-   After SceneMayChange(). */
-PetscBool SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
-                       const PetscReal x[][3]) {
-  const Surfaces *surfaces = &scene->contact.surfaces;
-  PetscReal lab[3], shift[3] = {0}, line = 0;
-  PetscInt which = 0;
+   After SceneMayChange(). Collective; n may be 0 on some ranks. */
+PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
+                            const PetscReal x[][3], PetscBool *has) {
+  const Change *change = Find("-wall_at");
+  Asked asked = {.name = change->name, .t = t};
+  PetscReal lab[3], shift[3];
+  PetscInt wall, surface;
+  char *text;
 
-  (void)sscanf(value, "%lf%*[ ,\t]%lf%*[ ,\t]%lf%*[ ,\t]%lf", &line, &shift[0], &shift[1],
-               &shift[2]);
-  while (which < surfaces->n && surfaces->surface[which].line != line) which++;
-  if (which == surfaces->n) return PETSC_TRUE;
-  for (PetscInt i = 0; i < n; i++) {
+  PetscFunctionBegin;
+  PetscCall(TakeWords(scene, change, value, &text, &asked));
+  PetscCall(WallOf(scene, &asked, &wall, &surface));
+  PetscCall(Shift(scene, &asked, 1, shift));
+  PetscCall(PetscFree(text));
+  *has = PETSC_TRUE;
+  for (PetscInt i = 0; i < n && *has; i++) {
     SpaceToLab(&scene->space, x[i], lab);
-    if (SurfaceShifted(&surfaces->surface[which], t, shift, lab) < scene->contact.diameter / 2)
-      return PETSC_FALSE;
+    *has = (PetscBool)(SurfaceShifted(&scene->contact.surfaces.surface[surface], t, shift, lab) >=
+                       scene->contact.diameter / 2);
   }
-  return PETSC_TRUE;
+  PetscFunctionReturn(0);
 }
 
 /* SceneChangeAbout - lines about mistakes name the row; NULL: no longer. */

@@ -7,8 +7,8 @@
 const OptionRow *SceneChangedOption(const char *name);
 PetscErrorCode SceneMayChange(Scene scene, const char *name, const char *value, PetscReal t);
 PetscErrorCode SceneChange(Scene scene, const char *name, const char *value, PetscReal t);
-PetscBool SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
-                       const PetscReal x[][3]);
+PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
+                            const PetscReal x[][3], PetscBool *has);
 PetscErrorCode SceneChangesCheck(Scene scene, PetscReal from);
 void SceneChangeAbout(const ChangeRow *row);
 

@@ -16,7 +16,8 @@ static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value,
   const PetscInt n = self->scene->mesh.cells + 1;
   const Node *nodes;
   PetscReal(*x)[3];
-  int free = 1;
+  PetscBool room;
+  int free;
 
   PetscFunctionBegin;
   if (strcmp(name, "-wall_at") != 0) PetscFunctionReturn(0);
@@ -25,7 +26,8 @@ static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value,
   PetscCall(PetscMalloc1(n, &x));
   for (PetscInt i = 0; nodes && i < n; i++)
     for (int d = 0; d < 3; d++) x[i][d] = nodes[i].x3[d];
-  if (nodes) free = SceneHasRoom(self->scene, value, t, n, (const PetscReal(*)[3])x);
+  PetscCall(SceneHasRoom(self->scene, value, t, nodes ? n : 0, (const PetscReal(*)[3])x, &room));
+  free = room;
   PetscCall(PetscFree(x));
   PetscCallMPI(MPI_Bcast(&free, 1, MPI_INT, 0, self->scene->comm));
   UserCheck(free, self->scene->comm, "-wall_at %s: the rod is there", value);

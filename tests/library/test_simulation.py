@@ -312,6 +312,17 @@ class Played(unittest.TestCase):
                 Path(table).write_text(text + "\n")
                 tendril.run(**options | dict(rod_cells=60), change_file=table)
 
+    def test_a_surface_is_not_put_where_the_rod_is_in_whatever_units(self):
+        with tempfile.TemporaryDirectory() as directory:
+            walls = Path(directory) / "walls.txt"
+            walls.write_text("cylinder 30mm 10mm 0  0 0 1  0.3mm outside friction 0.2\n")
+            sim = tendril.Simulation(growth_type="feed", growth_initial_length="1mm", contact_diameter="0.1mm", rod_model="space", rod_cells=60,
+                                     wall_file=str(walls), si_bending_stiffness="1e-3Nmm^2", si_friction_dry="1mN/mm", si_speed="1mm/s")
+            for value in ("1 -29.4mm -10mm", "1 -2.94cm,-0.01m,0mm"):
+                with self.subTest(value), self.assertRaisesRegex(tendril.RunError, "the rod is there"):
+                    sim.set("wall_at", value)
+            sim.set("wall_at", "1 -28.7mm -9.55mm")
+
     def test_a_change_before_a_restart_is_one_of_that_run(self):
         with tempfile.TemporaryDirectory() as directory:
             half, table = os.path.join(directory, "half.h5"), os.path.join(directory, "changes.txt")
