@@ -136,14 +136,21 @@ def read(place, axes, quantity, si=False):
     found = {(x, y): value for ((x, _), (y, _)), (value, _) in found.items()}
     xs, ys = (np.array(sorted({p[k] for p in found})) for k in (0, 1))
     table = np.array([[found.get((x, y), np.nan) for x in xs] for y in ys])
-    if si and unit in KINDS:  # cm rather than m, where that suits
-        unit, one = suited_to(KINDS[unit], np.nanmax(np.abs(table)))
-        table = table / one
-    elif si and unit in DIMENSIONS:
-        unit = DIMENSIONS[unit][1]
-    else:
-        unit = ""
+    table, unit = shown(table, unit, si)
     return xs, ys, table, [*(there.pop() for there in units), unit]
+
+
+def shown(values, unit, si):
+    """Values as they are drawn, and the unit behind their name: cm rather than m, where that suits."""
+    if si and unit in KINDS:
+        unit, one = suited_to(KINDS[unit], np.nanmax(np.abs(values)))
+        return values / one, unit
+    return values, DIMENSIONS[unit][1] if si and unit in DIMENSIONS else ""
+
+
+def labelled(name, unit):
+    """What stands beside an axis: of an option, or of a quantity."""
+    return LABELS.get(name, in_words(name.removeprefix("series/"))) + (f" ({unit})" if unit else "")
 
 
 def even(values):
@@ -184,10 +191,8 @@ def draw(ax, xs, ys, table, units, axes, quantity):
                            colors=np.where(dark, "white", "#222222"))
         ax.clabel(lines, fontsize=6, fmt="%.4g")
     for axis, unit, label in zip(axes, units, (ax.set_xlabel, ax.set_ylabel)):
-        label(LABELS.get(axis, in_words(axis)) + (f" ({unit})" if unit else ""))
-    label = LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " "))
-    label += f" ({units[2]})" if units[2] else ""
-    ax.figure.colorbar(colours, ax=ax, label=label)
+        label(labelled(axis, unit))
+    ax.figure.colorbar(colours, ax=ax, label=labelled(quantity, units[2]))
 
 
 def curve(ax, place, axis, quantity, si):
@@ -199,19 +204,12 @@ def curve(ax, place, axis, quantity, si):
         raise ValueError(f"{axis} is in several units")
     x = np.array(sorted(x for ((x, _),) in found))
     y = np.array([next(value for (place,), (value, _) in found.items() if place[0] == one) for one in x])
-    unit, of = next(iter(found.values()))[1], units.pop()
-    if si and unit in KINDS:
-        unit, one = suited_to(KINDS[unit], np.nanmax(np.abs(y)))
-        y = y / one
-    elif si and unit in DIMENSIONS:
-        unit = DIMENSIONS[unit][1]
-    else:
-        unit = ""
+    y, unit = shown(y, next(iter(found.values()))[1], si)
     ax.plot(x, y, "o-", ms=3)
     if not even(x):
         ax.set_xscale("log")
-    ax.set_xlabel(LABELS.get(axis, in_words(axis)) + (f" ({of})" if of else ""))
-    ax.set_ylabel(LABELS.get(quantity, quantity.removeprefix("series/").replace("_", " ")) + (f" ({unit})" if unit else ""))
+    ax.set_xlabel(labelled(axis, units.pop()))
+    ax.set_ylabel(labelled(quantity, unit))
     return int(np.isnan(y).sum())
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .errors import TendrilError
-from .runs import rows_of, scene_file, words_of
+from .runs import rows_of, scene_file, texts_of
 
 FILES = ("wall_file", "growth_path", "growth_table", "friction_field", "tip_field", "tip_path", "clamp_path",
          "rod_stiffness_file", "rod_curvature_file", "shape_file", "change_file")
@@ -121,20 +121,14 @@ def movable(walls, options) -> list[str] | None:
     return lines
 
 
-def pairs(options, directory):
-    """Options by name as text; arrays and walls are files in the directory."""
-    words = words_of(options, directory)
-    return {name.lstrip("-"): value for name, value in zip(words[::2], words[1::2])}
-
-
 def prepare(scene, options, directory, move=True, posts=0) -> Played:
     """A scene, as for tendril.run(), as it is run live; files that are made are in the directory.
 
     move   stones of the plane become posts in space, which can be moved
     posts  so many more stand far away, to be put somewhere"""
     directory = Path(directory)
-    found = {} if scene is None else pairs(scene, directory) if isinstance(scene, dict) else taken(scene_file(scene))
-    found |= pairs(options, directory)
+    found = {} if scene is None else texts_of(scene, directory) if isinstance(scene, dict) else taken(scene_file(scene))
+    found |= texts_of(options, directory)
     if found.get("task", "grow") != "grow":
         raise TendrilError(f"live: -task {found['task']} has nothing that runs; give a scene that grows")
     for name in OF_PROGRAM:

@@ -171,6 +171,12 @@ def words_of(options, directory) -> list[str]:
     return words
 
 
+def texts_of(options, directory) -> dict[str, str]:
+    """{option: its value as tendril reads it}; arrays go into files in the directory."""
+    words = words_of(options, directory)
+    return dict(zip((word[1:] for word in words[::2]), words[1::2]))
+
+
 def scene_file(name) -> Path:
     """An options file, or the scene of that name: of this package, of the working directory, or of where
     the program comes from, its checkout or what was installed with it."""

@@ -15,19 +15,13 @@ from .errors import RunError, TendrilError, arguments, positive
 from .progress import bar
 from .readers import heading, is_number
 from .results import Results
-from .runs import execute, launched, run, scene_words, task_of, text_of, words_of
+from .runs import execute, launched, run, scene_words, task_of, text_of, texts_of, words_of
 
 ALONE = {"task", "restart", "output", "quiet", "options_file"}  # a member with these runs by itself
 
 
 def cores() -> int:
     return len(os.sched_getaffinity(0))
-
-
-def texts_of(options, directory) -> dict[str, str]:
-    """{option: its value as tendril reads it}; arrays go into files in the directory."""
-    words = words_of(options, directory)
-    return dict(zip((word[1:] for word in words[::2]), words[1::2]))
 
 
 def write_table(path, members: Sequence[dict[str, str]]):
