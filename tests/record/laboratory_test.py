@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import PAGE, Held
-from scene import DRY, Run, broken, check, distance, expect, file, read, tendril, walls
+from scene import DRY, Run, check, distance, expect, read, tendril
 
 import h5py
 import numpy as np
@@ -118,7 +118,6 @@ def a_broken_run_goes_on_as_the_whole():
         whole = read(f"{d}/whole.h5")
         tendril(f"{options} -output {d}/a.h5 -ts_max_steps 60", 1)
         broken = Path(f"{d}/a.h5").read_bytes()
-        size = len(broken)
         tendril(f"-restart {d}/a.h5 -output {d}/b.h5")
         expect(Path(f"{d}/a.h5").read_bytes() == broken, "-restart changed a file it should read")
         tendril(f"-restart {d}/a.h5 -output {d}/a.h5 -ts_max_steps 60", 1)  # not a step further

@@ -12,7 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene import Run, broken, check, expect, file, order, read, tendril, tip_in_space
+from scene import Run, broken, check, expect, read, tendril, tip_in_space
 from references import REFERENCES, expect_reference, expect_references
 
 import h5py
