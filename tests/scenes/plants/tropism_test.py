@@ -197,10 +197,15 @@ def orders_in_space_and_in_time_are_those_of_the_formulas():
     def tip(options):
         r = Run(f"-growth_type uniform -friction_mu 0.5 {STRAIGHT}-tropism_gravity 3 -tropism_direction 0,-1 "
                 f"-tropism_proprioception 1 -growth_ironing 2 -ts_max_time 0.5 {options}")
-        return np.array([r.tip_x1[-1], r.tip_x2[-1]])
+        return r.tip, r.steps
 
-    cells = [tip(f"-rod_cells {n} -rod_grading uniform -ts_rtol 1e-9") for n in (6, 12, 24, 96)]
+    cells = [tip(f"-rod_cells {n} -rod_grading uniform -ts_rtol 1e-9")[0] for n in (6, 12, 24, 96)]
     near("in space", order([np.linalg.norm(x - cells[-1]) for x in cells[:-1]]), 4, 0.3)
+    fine = tip("-rod_cells 20 -ts_rtol 1e-10")[0]
+    for formula, tolerances in {2: (1e-4, 1e-6), 4: (1e-5, 1e-7)}.items():
+        ends, steps = zip(*(tip(f"-rod_cells 20 -ts_bdf_order {formula} -ts_rtol {rtol}") for rtol in tolerances))
+        off = [np.linalg.norm(x - fine) for x in ends]
+        near(f"order {formula} in time", log(off[0] / off[1]) / log(steps[1] / steps[0]), formula, 0.5)
 
 
 @check
