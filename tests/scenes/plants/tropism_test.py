@@ -118,6 +118,19 @@ def a_rod_at_rest_ends_in_the_direction_by_its_balance():
 
 
 @check
+def a_far_lamp_pulls_as_gravity_and_a_near_one_is_pointed_at():
+    """Its strength is the same at any distance; at rest a tip that senses points at where the lamp is from there."""
+    root = "-growth_type uniform -friction_mu 0.5 " + STRAIGHT + "-tropism_proprioception 1 -ts_max_time 1 -rod_cells 40 "
+    for model in ("frame", "space"):
+        a, b = (Run(f"{root}-rod_model {model} {law}") for law in ("-tropism_gravity 2 -tropism_direction 0.6,0.8",
+                                                                   "-tropism_light 2 -tropism_source 6e7,8e7"))
+        near(f"{model}, far", b.tip_angle[-1], a.tip_angle[-1], 1e-6)
+        r = Run(f"{stiff()}{STRAIGHT}-growth_type none -tropism_rate 1 -tropism_light 3 -tropism_source 0.9,1.3 -tropism_sensed tip "
+                f"-ts_max_time 20 -rod_cells 30 -rod_model {model}")
+        near(f"{model}, near", r.tip_angle[-1], np.arctan2(1.3 - r.tip_x2[-1], 0.9 - r.tip_x1[-1]), 1e-6)
+
+
+@check
 def what_is_fed_in_is_straight_and_bends_from_then_on():
     """A constant drive: k = r n (time since it is in), int k dp = r n (t^2/2 + L0 t), however it is bent. A front with a corner
     in k, between what was there at first and what has come in, is resolved to the order 2."""
