@@ -124,6 +124,15 @@ def cases_of(file, text):
         yield from said_twice([name for some in words for name in some], f"{where}: a class in two lines")
 
 
+def unused():
+    """Functions of Python that are no test and that nothing names: a check that has lost its mark, or what is left of one."""
+    texts = {file: file.read_text() for file in sorted(TESTS.rglob("*.py"))}
+    words = collections.Counter(word for text in texts.values() for word in re.findall(r"\w+", text))
+    for file, text in texts.items():
+        yield from (f"{file.relative_to(TESTS)}: neither a test nor used: {node.name}" for node in ast.parse(text).body
+                    if isinstance(node, ast.FunctionDef) and not node.decorator_list and words[node.name] == 1)
+
+
 def faults(build):
     found, by_hand = list(tests()), (TESTS / "CMakeLists.txt").read_text()
     yield from said_twice([test.name for test in found], "two tests of one name")
@@ -133,6 +142,7 @@ def faults(build):
         if file not in known and file.stem not in by_hand:
             yield f"{file.relative_to(TESTS)}: nothing in it is a test (a line `test: what holds`, or @check; what others use is in support/)"
         yield from cases_of(file, text)
+    yield from unused()
     listed = subprocess.run(["ctest", "--test-dir", build, "-N"], capture_output=True, text=True, check=True).stdout
     ran = set(re.findall(r"Test +#\d+: (\S+)", listed))
     yield from (f"not among those that ctest runs: {test.name} (build again)" for test in found
