@@ -418,6 +418,18 @@ PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const 
   PetscFunctionReturn(0);
 }
 
+/* VBDFBeginAnew - the next step starts from the latest point alone, also of a history that was
+   handed over. (Other types: as TSRestartStep().) */
+PetscErrorCode VBDFBeginAnew(TS ts) {
+  VBDF *self = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(TSRestartStep(ts));
+  PetscCall(Self(ts, &self));
+  if (self && self->formula.given) self->formula.n = 1;
+  PetscFunctionReturn(0);
+}
+
 /* VBDFGetMemory - what the stepper remembers besides its history; zeros if the type is another one.
  */
 PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]) {

@@ -67,6 +67,7 @@ PetscErrorCode VBDFGetFactorRate(TS ts, PetscReal rate[VBDF_FACTORS]);
 PetscErrorCode VBDFGetHistory(TS ts, PetscInt *n, PetscReal times[], Vec points[], PetscInt *order);
 PetscErrorCode VBDFSetHistory(TS ts, PetscInt n, const PetscReal times[], const Vec points[],
                               PetscInt order);
+PetscErrorCode VBDFBeginAnew(TS ts);
 PetscErrorCode VBDFGetMemory(TS ts, PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFSetMemory(TS ts, const PetscReal memory[VBDF_MEMORY]);
 PetscErrorCode VBDFInterpolate(TS ts, PetscReal t, Vec U, Vec U_t, PetscBool *done);

@@ -413,7 +413,7 @@ PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
     PetscCall(GrowHandOver(self, &self->leg[GrowBetterModel(self)]));
     self->enters = PETSC_TRUE;
   }
-  PetscCall(TSRestartStep(self->now->ts));
+  PetscCall(VBDFBeginAnew(self->now->ts));
   PetscCall(TSSetTimeStep(self->now->ts, grow_rule.again_step * self->scene->end_time));
   PetscFunctionReturn(0);
 }

@@ -194,6 +194,16 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
   PetscFunctionReturn(0);
 }
 
+/* Has the run that this one goes on with been changed, in more than its end? Then it left the
+   linear model for good: GrowChange(). */
+static PetscBool ChangedBefore(const Grow *self) {
+  const Changes list = self->scene->changes;
+
+  for (PetscInt k = 0; list && k < list->done; k++)
+    if (strcmp(list->row[k].what, "ts_max_time") != 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* GrowCreate - begins a run, of the scene in self, which is 0 but for what its creator says.
    Collective; the caller ends it with GrowDestroy(), also after an error. */
 PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
@@ -218,6 +228,7 @@ PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
   PetscCall(CrawlAllowed(GrowOwnLeg(self)->ts, &self->crawl));
   PetscCall(RodHoldTip(GrowOwnLeg(self)->rod));
   if (begun) PetscCall(RestartChange(restart, self->scene));
+  if (begun && ChangedBefore(self) && self->model == AUTO) self->can[LINEAR] = PETSC_FALSE;
   for (PetscInt m = 0; m < MODELS && begun; m++)
     if (self->leg[m].ts) PetscCall(LegEndAtTurns(&self->leg[m]));
   if (self->leg[GrowWholeModel(self)].rod)

@@ -46,7 +46,6 @@ static void FromOnePoint(const Grow *self, PetscReal t, RestartState *state) {
   state->points = state->order = 1;
   state->step = grow_rule.again_step * self->scene->end_time;
   state->kept.changed = 1;
-  state->memory[0] = state->memory[2] = state->memory[3] = 0;
 }
 
 /* GrowKeep - all that the run needs to go on from its latest step. Collective.
@@ -57,7 +56,7 @@ PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec error
   PetscFunctionBegin;
   PetscCall(KeepRun(self, state));
   PetscCall(RestartKeep(self->now, self->seen.t, self->now->U, state, points));
-  if (self->kept.changed) FromOnePoint(self, self->seen.t, state);
+  if (self->kept.changed) state->points = state->order = 1; /* as GrowChange() has it */
   PetscCall(KeepErrors(self, state, errors));
   PetscFunctionReturn(0);
 }

@@ -168,6 +168,27 @@ class Changed(unittest.TestCase):
             self.assertEqual(differing(sim.series, more.series), [])
         self.assertLess(sim.series["energy_defect"][-1], 1e-4)
 
+    def test_a_change_at_once_behind_a_file_or_before_it_is_that_of_the_run_to_the_last_digit(self):
+        for scene, options, until, name, value in (("feed", {}, 0.2, "tip_force", 0.5), ("root-helix", {"ts_max_time": 0.3}, 0.15, "clamp_spin", 0.4),
+                                                   ("feed", {"friction_mu": 0.5, "rod_model": "auto", "shape_amplitude": 1e-5}, 0.05, "friction_mu", 0.3)):
+            with self.subTest(scene, **options), tempfile.TemporaryDirectory() as directory:
+                before, behind = (os.path.join(directory, name) for name in ("before.h5", "behind.h5"))
+                sim = tendril.Simulation(scene, **FEW | options)
+                while sim.t < until:
+                    sim.step()
+                models = set(sim.series["model"][1:])
+                sim.save(before)
+                sim.set(name, value)
+                sim.save(behind)
+                on = [tendril.Simulation.load(before), tendril.Simulation.load(behind)]
+                on[0].set(name, value)
+                for run in (sim, *on):
+                    run.advance()
+                for run in on:
+                    self.assertEqual(differing(run.series, sim.series), [])
+                if "rod_model" in options:  # from then on it is another one
+                    self.assertEqual((models, sim.series["model"][-1]), ({0}, 1))
+
     def test_what_can_be_changed(self):
         sim = tendril.Simulation("feed", **FEW | {"friction_mu": 0.5, "rod_model": "space"})
         sim.advance(0.1)
