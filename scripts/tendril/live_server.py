@@ -26,8 +26,9 @@ from urllib.parse import parse_qs, urlsplit
 
 from .command import Parser
 from .errors import TendrilError
+from .outbox import Outbox
 from .playing import prepare
-from .sessions import Session, thin
+from .sessions import Session
 from .starting_page import first_scene, gallery, picture_file
 
 WEB = Path(__file__).resolve().parent / "web"
@@ -227,19 +228,16 @@ class Server:
 
 
 class OnePage:
-    """A page that looks: what is to be sent waits here; of frames the latest alone, with the rows of those left out."""
+    """A page that looks."""
 
     def __init__(self, server, socket, number):
         self.server, self.socket, self.number = server, socket, number
-        self.waiting: list = []
-        self.frame, self.rows = None, []
-        self.wake = asyncio.Event()
+        self.outbox, self.wake = Outbox(), asyncio.Event()
         self.fault = None
 
     def greet(self):
         """All there is, for a page that has just come, or for another run."""
         session = self.server.session
-        self.frame, self.rows = None, []
         if session is None:
             self.take({"kind": "start", "gallery": gallery(), "form": first_scene()})
         else:
@@ -247,29 +245,17 @@ class OnePage:
             self.take(session.whole())
 
     def take(self, message):
-        if message["kind"] == "frame":
-            self.rows.extend(message["row"])
-            thin(self.rows)
-            self.frame = message
-        else:
-            if message["kind"] == "whole":
-                self.frame, self.rows = None, []
-            self.waiting.append(message)
-            if len(self.waiting) > 500:  # it does not listen any more
-                del self.waiting[:250]
+        self.outbox.put(message)
         self.wake.set()
 
     async def write(self):
         while True:
             await self.wake.wait()
             self.wake.clear()
-            while self.waiting:
-                await self.socket.send(json.dumps(self.waiting.pop(0)))
-            if self.frame:
-                frame, rows = self.frame, self.rows
-                self.frame, self.rows = None, []
-                await self.socket.send(json.dumps({k: v for k, v in frame.items() if k != "row"} | {"rows": rows}))
-                await asyncio.sleep(1 / FRAMES_A_SECOND)
+            for message in self.outbox.take():
+                await self.socket.send(json.dumps(message))
+                if message["kind"] == "frame":
+                    await asyncio.sleep(1 / FRAMES_A_SECOND)
 
     def hear(self, message):
         """What a page asks for. What makes no sense is answered, and does nothing."""
@@ -307,7 +293,7 @@ def page_text(token):
         return "".join((WEB / name).read_text(encoding="utf-8") for name in names)
 
     parts = {"style": text("uplot/uPlot.min.css", "page.css", "live.css"), "uplot": text("uplot/uPlot.iife.min.js"),
-             "licence": text("uplot/LICENSE"), "script": text("format.js", "live-draw.js", "live.js"), "token": json.dumps(token)}
+             "licence": text("uplot/LICENSE"), "script": text("format.js", "drawing.js", "live-draw.js", "live.js"), "token": json.dumps(token)}
     page = (WEB / "live.html").read_text(encoding="utf-8")
     for name, part in parts.items():
         page = page.replace(f"@{name}@", part)

@@ -12,15 +12,16 @@ from pathlib import Path
 
 from .errors import TendrilError
 from .live_server import WEB
+from .outbox import Outbox
 from .playing import prepare
-from .sessions import Session, thin
+from .sessions import Session
 
 FRAMES_A_SECOND = 20
 
 
 def script():
     """The page's own scripts as a module that a notebook loads."""
-    text = "\n".join((WEB / name).read_text(encoding="utf-8") for name in ("uplot/uPlot.iife.min.js", "format.js", "live-draw.js", "live.js"))
+    text = "\n".join((WEB / name).read_text(encoding="utf-8") for name in ("uplot/uPlot.iife.min.js", "format.js", "drawing.js", "live-draw.js", "live.js"))
     return text + """
 export default { render({ model, el }) {
   const connection = { hear: () => {}, lost: () => {}, open: true, send: (message) => model.send(message) };
@@ -32,34 +33,26 @@ export default { render({ model, el }) {
 
 
 class Sender:
-    """From the run's thread to a notebook: of frames the latest, so many a second, with the rows of those left out."""
+    """From the run's thread to a notebook, frames so many a second."""
 
     def __init__(self, send):
-        self.send, self.lock, self.waiting, self.frame, self.rows, self.closed = send, threading.Condition(), [], None, [], False
+        self.send, self.lock, self.outbox, self.closed = send, threading.Condition(), Outbox(), False
         threading.Thread(target=self.pump, daemon=True, name="tendril widget").start()
 
     def take(self, message):
         with self.lock:
-            if message["kind"] == "frame":
-                self.rows.extend(message["row"])
-                thin(self.rows)
-                self.frame = message
-            else:
-                self.waiting.append(message)
+            self.outbox.put(message)
             self.lock.notify()
 
     def pump(self):
         while not self.closed:
             with self.lock:
-                self.lock.wait_for(lambda: self.waiting or self.frame or self.closed, timeout=1)
-                waiting, self.waiting = self.waiting, []
-                frame, rows = self.frame, self.rows
-                self.frame, self.rows = None, []
-            for message in waiting:
+                self.lock.wait_for(lambda: self.outbox or self.closed, timeout=1)
+                messages = self.outbox.take()
+            for message in messages:
                 self.send(message)
-            if frame:
-                self.send({k: v for k, v in frame.items() if k != "row"} | {"rows": rows})
-                time.sleep(1 / FRAMES_A_SECOND)
+                if message["kind"] == "frame":
+                    time.sleep(1 / FRAMES_A_SECOND)
 
 
 def widget(scene=None, *, results="results/live", move=True, posts=0, **options):

@@ -172,7 +172,7 @@ def page_of(content, title, space):
         "licence": text("uplot/LICENSE") + ("\nThe rod is drawn by three.js:\n" + text("three/LICENSE")) * space,
         "uplot": text("uplot/uPlot.iife.min.js") + ("\n" + text("three/three.min.js")) * space,
         "stage": text("space.html" if space else "plane.html"),
-        "script": text("format.js", "data.js", "space.js" if space else "plane.js", "charts.js"),
+        "script": text("format.js", "drawing.js", "data.js", "space.js" if space else "plane.js", "charts.js"),
         "data": json.dumps(content, allow_nan=False).replace("<", "\\u003c"),
     }
     return re.sub("@([a-z]+)@", lambda found: parts[found[1]], (WEB / "page.html").read_text())

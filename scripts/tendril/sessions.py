@@ -14,12 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from .errors import RunError, TendrilError
+from .outbox import ROWS, thin
 from .playing import NUMBER, Played, controls, may_lead_tip, said_rows, save_scene
+from .runs import run
 from .simulation import BY_WORDS, Simulation
 
 KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
 UNHURRIED = 20  # seconds that a run takes at first, if it can
-ROWS = 3000  # of the series that a page is shown; twice as many are kept, the run itself has all
 HAPPENINGS = 500  # the latest that are kept
 FRAMES = 240  # of a branch that are kept, to be looked at
 TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
@@ -58,12 +59,6 @@ class Branch:
         own = [k for k in self.kept if k[0] <= until]
         before = self.parent.states(min(until, self.since)) if self.parent else []
         return sorted(own + before, key=lambda k: -k[0])
-
-
-def thin(rows):
-    """Leaves out every other row of a list that has become long, but neither the first nor the last."""
-    if len(rows) > 2 * ROWS:
-        del rows[1:-1:2]
 
 
 class Session:
@@ -440,7 +435,7 @@ class Session:
             self.keep_frame(t, frame)
         iterations = self.names.index("newton_iterations")
         self.rates.append((self.looked, len(rows), sum(row[iterations] for row in rows)))
-        self.publish({"kind": "frame", "t": t, "row": rows, "frame": frame, "branch": self.branch.number,
+        self.publish({"kind": "frame", "t": t, "rows": rows, "frame": frame, "branch": self.branch.number,
                       "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "to": None})
 
     def keep_frame(self, t, frame):
@@ -586,7 +581,7 @@ class Session:
     def check(self, file, rows):
         """Runs the program with the saved scene, and tells by how much it differs."""
         try:
-            off, name = differs(file, self.names, rows, self.directory)
+            off, name = differs(file, self.names, rows)
             text = f"checked: tendril -options_file {file.name} gives the same run, to {off:.1e}" + (f" ({name})" if off else "") \
                 if off <= 1e-8 else f"the run of {file.name} differs by {off:.1e} ({name}): say so to the authors"
         except (TendrilError, OSError) as fault:
@@ -594,19 +589,14 @@ class Session:
         self.publish({"kind": "done", "text": text, "to": None})
 
 
-def differs(file, names, rows, directory):
+def differs(file, names, rows):
     """(largest relative difference of any series, its name) of the program's run of a scene to rows of series."""
-    from .runs import execute, executable
-    from .loading import load
-
-    output = Path(directory) / f"check-{time.monotonic_ns()}.h5"
     try:
-        execute([executable(), "-options_file", str(file), "-output", str(output), "-output_shapes", "1", "-quiet",
-                 "-ts_max_steps", str(max(len(rows) - 1, 1))])
-    except RunError:
-        if not output.exists():
+        series = run(file, progress=False, quiet=True, ts_max_steps=max(len(rows) - 1, 1)).series
+    except RunError as fault:
+        if fault.results is None:
             raise
-    series = load(output).series
+        series = fault.results.series
     n = min(len(rows), len(series["t"]))
     table, worst = np.array(rows[:n]), (0.0, "")
     if n < len(rows) and n < 2:
@@ -615,7 +605,6 @@ def differs(file, names, rows, directory):
         if name in series:
             size = np.abs(table[:, k]).max() or 1.0
             worst = max(worst, (float(np.abs(table[:, k] - series[name][:n]).max() / size), name))
-    output.unlink(missing_ok=True)
     return worst if n == len(rows) else (np.inf, f"{n} steps of {len(rows)}")
 
 

@@ -25,12 +25,12 @@ static inline PetscReal LeadValue(const Lead *self, PetscReal t) {
   return HermiteAt((t - self->t[0]) / h, h, self->x[0], self->rate, self->x[1], 0);
 }
 
-/* LeadRate - how fast it changes. */
+/* LeadRate - how fast it changes; 0 of one that is not on. */
 static inline PetscReal LeadRate(const Lead *self, PetscReal t) {
   const PetscReal h = self->t[1] - self->t[0];
   PetscReal w[4], by[4], bend[4];
 
-  if (t < self->t[0] || t >= self->t[1]) return 0;
+  if (!self->on || t < self->t[0] || t >= self->t[1]) return 0;
   Hermite((t - self->t[0]) / h, w, by, bend);
   return by[2] * (self->x[1] - self->x[0]) / h + by[1] * self->rate;
 }

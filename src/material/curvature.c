@@ -315,7 +315,7 @@ static void Value(const Strain *self, PetscReal at, PetscReal at_t, PetscReal t,
   PetscInt i;
 
   *k = self->lead.on ? LeadValue(&self->lead, t) : self->constant;
-  if (k_t) *k_t = self->lead.on ? LeadRate(&self->lead, t) : 0;
+  if (k_t) *k_t = LeadRate(&self->lead, t);
   if (!self->n) return;
   if (self->steered) {
     Steered(self, at, at_t, t, k, k_t);
@@ -371,8 +371,8 @@ PetscErrorCode CurvatureValue(const Curvature *self, Growth growth, PetscReal s,
 void CurvatureLeadTo(Curvature *self, int strain, PetscReal t, PetscReal by, PetscReal k) {
   Lead *lead = &self->strain[strain].lead;
 
-  LeadTo(lead, t, lead->on ? LeadValue(lead, t) : self->strain[strain].constant,
-         lead->on ? LeadRate(lead, t) : 0, by, k);
+  LeadTo(lead, t, lead->on ? LeadValue(lead, t) : self->strain[strain].constant, LeadRate(lead, t),
+         by, k);
   self->any = PETSC_TRUE;
   self->space = (PetscBool)(self->space || strain != BEND_3);
 }

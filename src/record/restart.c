@@ -254,7 +254,7 @@ static PetscErrorCode Recall(Reader *reader, Rod rod) {
   PetscCall(ReaderOpen(memory, reader));
   PetscCall(ReadVector(reader, "/restart/memory", 0, memory));
   PetscCall(ReaderClose(reader));
-  PetscCall(rod->model->recall(rod, memory));
+  PetscCall(RodRecall(rod, memory));
   PetscCall(VecDestroy(&memory));
   PetscCall(DMDestroy(&da));
   PetscFunctionReturn(0);
@@ -396,7 +396,7 @@ static PetscErrorCode WriteMemory(HdfFile file, Rod rod, PetscReal *sum) {
   PetscFunctionBegin;
   if (!rod->memory) PetscFunctionReturn(0);
   PetscCall(RodCreateMemory(rod, &da, &memory));
-  PetscCall(rod->model->remember(rod, memory));
+  PetscCall(RodRemember(rod, memory));
   PetscCall(WriteVectors(file, "/restart/memory",
                          "what Newton's method remembers from step to step [1][node times values]",
                          1, &memory, sum));

@@ -87,12 +87,10 @@ PetscReal RodCoarseGet(const Rod coarse, CoarseNumber number) {
   return number == COARSE_BETA ? own->load.friction.beta : own->contact.stiffness;
 }
 
-/* RodCoarseSet - gives it another one; what it was. */
-PetscReal RodCoarseSet(Rod coarse, CoarseNumber number, PetscReal value) {
-  const PetscReal before = RodCoarseGet(coarse, number);
+/* RodCoarseSet - gives it another one. */
+void RodCoarseSet(Rod coarse, CoarseNumber number, PetscReal value) {
   Scene own = coarse->scene;
 
   *(number == COARSE_BETA ? &own->load.friction.beta : &own->contact.stiffness) = value;
   own->contact.time = PETSC_MIN_REAL;
-  return before;
 }

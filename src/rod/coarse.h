@@ -12,7 +12,7 @@ PetscErrorCode RodCoarsen(Rod rod, PetscInt nodes, PetscInt stride, PetscBool me
 PetscErrorCode RodCoarseEnd(Rod *coarse);
 void RodCoarseTake(Rod coarse, Rod rod, PetscBool meets);
 void RodCoarseFollow(Rod coarse, Rod rod);
-PetscReal RodCoarseSet(Rod coarse, CoarseNumber number, PetscReal value);
+void RodCoarseSet(Rod coarse, CoarseNumber number, PetscReal value);
 PetscReal RodCoarseGet(const Rod coarse, CoarseNumber number);
 
 #endif

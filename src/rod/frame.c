@@ -807,7 +807,8 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
 enum { REMEMBERED = sizeof(FrictionDual) / sizeof(PetscReal) };
 
 /* Value k of what is remembered at node i, in this order; NULL: nothing. */
-static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
+static PetscReal *FrameRemembered(Rod rod, PetscInt i, PetscInt k) {
+  const Frame *frame = (const Frame *)rod->data;
   LoadDual *dual;
 
   if (k >= 2 * frame->duals * REMEMBERED)
@@ -816,42 +817,10 @@ static PetscReal *Remembered(Frame *frame, Rod rod, PetscInt i, PetscInt k) {
   return (PetscReal *)dual + k % REMEMBERED;
 }
 
-static PetscErrorCode FrameRemember(Rod rod, Vec memory) {
+static PetscErrorCode FrameRecalled(Rod rod) {
   Frame *frame = (Frame *)rod->data;
-  PetscReal *m;
 
   PetscFunctionBegin;
-  PetscCall(VecGetArray(memory, &m));
-  for (PetscInt i = rod->first; i < rod->end; i++)
-    for (PetscInt k = 0; k < rod->memory; k++) {
-      const PetscReal *value = Remembered(frame, rod, i, k);
-      *m++ = value ? *value : 0;
-    }
-  m -= (rod->end - rod->first) * rod->memory;
-  PetscCall(VecRestoreArray(memory, &m));
-  PetscFunctionReturn(0);
-}
-
-/* (The cells beside the owned nodes are remembered here too.) */
-static PetscErrorCode FrameRecall(Rod rod, Vec memory) {
-  Frame *frame = (Frame *)rod->data;
-  const PetscReal *m;
-  Vec local;
-  PetscInt from = PetscMax(rod->first - 1, 0);
-  DM da;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetDM(memory, &da));
-  PetscCall(DMGetLocalVector(da, &local));
-  PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
-  PetscCall(VecGetArrayRead(local, &m));
-  for (PetscInt i = from; i <= PetscMin(rod->end, rod->last); i++)
-    for (PetscInt k = 0; k < rod->memory; k++) {
-      PetscReal *value = Remembered(frame, rod, i, k);
-      if (value) *value = m[(i - from) * rod->memory + k];
-    }
-  PetscCall(VecRestoreArrayRead(local, &m));
-  PetscCall(DMRestoreLocalVector(da, &local));
   Forget(frame);
   if (frame->strands) PetscCall(StrandRowsRecalled(rod, frame->strands));
   PetscFunctionReturn(0);
@@ -942,9 +911,9 @@ static PetscErrorCode FrameDestroy(Rod rod) {
 #define FRAME                                                                                      \
   .name = "frame", .stencil = 1, .halves = {3, 3}, .refuses = RodRefusesSpace,                     \
   .create = FrameCreate, .destroy = FrameDestroy, .set = FrameSet, .get = FrameGet,                \
-  .residual = FrameResidual, .hold = FrameHold, .bears = FrameBears, .remember = FrameRemember,    \
-  .recall = FrameRecall, .defect = FrameDefect, .moments = FrameMoments,                           \
-  .jacobian = FrameJacobian, .eliminate = FrameEliminate
+  .residual = FrameResidual, .hold = FrameHold, .bears = FrameBears,                               \
+  .remembered = FrameRemembered, .recalled = FrameRecalled, .defect = FrameDefect,                 \
+  .moments = FrameMoments, .jacobian = FrameJacobian, .eliminate = FrameEliminate
 #define FIELDS_FOLLOWED PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_FALSE, PETSC_FALSE, PETSC_FALSE
 #define FIELDS_GROUPS ALONG, ACROSS_2, ACROSS_2, ACROSS_2, ALONG, ACROSS_2
 

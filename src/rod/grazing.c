@@ -59,7 +59,7 @@ static PetscInt DentsOf(Rod rod, const PetscReal x[3], Dent dent[MOST_DENTS]) {
   return n;
 }
 
-/* Marks a wall that a foot is on, or tells how deep it is in one that is not marked. */
+/* Marks a wall that is touched, or tells how deep in one that is not marked. */
 static void NoteWall(const Graze *graze, PetscInt wall, PetscReal deep, PetscReal *depth) {
   if (!depth)
     graze->wall[wall] = 1;
@@ -67,8 +67,8 @@ static void NoteWall(const Graze *graze, PetscInt wall, PetscReal deep, PetscRea
     *depth = PetscMax(*depth, deep);
 }
 
-/* Marks the walls that are in touch in a state at feet, or tells how deep the others are: NULL
-   depth, or NULL node. */
+/* Marks the walls that feet are on in a state, or tells how deep they are in the others: depth
+   NULL, or that. */
 static PetscErrorCode LookAtFeet(Rod rod, PetscReal t, Vec U, const Graze *graze,
                                  PetscReal *depth) {
   const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
@@ -89,8 +89,9 @@ static PetscErrorCode LookAtFeet(Rod rod, PetscReal t, Vec U, const Graze *graze
   PetscFunctionReturn(0);
 }
 
-/* Marks the walls that are in touch in a state. Collective. */
-static PetscErrorCode MarkWalls(Rod rod, PetscReal t, Vec U, Graze *graze) {
+/* The same of a state at its nodes and feet: depth NULL, or that at nodes which may have grazed.
+   Collective; the law of contact is that of t on exit. */
+static PetscErrorCode LookAt(Rod rod, PetscReal t, Vec U, const Graze *graze, PetscReal *depth) {
   const PetscScalar *u;
   Dent dent[MOST_DENTS];
   PetscReal x[3];
@@ -100,12 +101,13 @@ static PetscErrorCode MarkWalls(Rod rod, PetscReal t, Vec U, Graze *graze) {
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt k = 0; k < rod->end - rod->first; k++) {
     PetscInt n;
+    if (depth && !graze->node[k]) continue;
     PlaceOf(rod, u, k, x);
     n = DentsOf(rod, x, dent);
-    for (PetscInt j = 0; j < n; j++) graze->wall[dent[j].wall] = 1;
+    for (PetscInt j = 0; j < n; j++) NoteWall(graze, dent[j].wall, dent[j].depth, depth);
   }
   PetscCall(VecRestoreArrayRead(U, &u));
-  PetscCall(LookAtFeet(rod, t, U, graze, NULL));
+  PetscCall(LookAtFeet(rod, t, U, graze, depth));
   PetscFunctionReturn(0);
 }
 
@@ -165,8 +167,8 @@ PetscErrorCode GrazeBegin(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1, G
                          &graze->wall));
   PetscCall(AskNodes(rod, t1, U0, U1, graze));
   if (!graze->any) PetscFunctionReturn(0);
-  PetscCall(MarkWalls(rod, t0, U0, graze));
-  PetscCall(MarkWalls(rod, t1, U1, graze));
+  PetscCall(LookAt(rod, t0, U0, graze, NULL));
+  PetscCall(LookAt(rod, t1, U1, graze, NULL));
   PetscCall(SomeAreFree(rod, graze));
   PetscFunctionReturn(0);
 }
@@ -174,23 +176,9 @@ PetscErrorCode GrazeBegin(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1, G
 /* GrazeDepth - how deep a rod is, at most, in walls that it touches neither before nor now, in a
    state between; 0: in none. Collective; the law of contact is that of t on exit. */
 PetscErrorCode GrazeDepth(Rod rod, PetscReal t, Vec U, const Graze *graze, PetscReal *depth) {
-  const PetscScalar *u;
-  Dent dent[MOST_DENTS];
-  PetscReal x[3];
-
   PetscFunctionBegin;
   *depth = 0;
-  PetscCall(SceneContactAt(rod->scene, t));
-  PetscCall(VecGetArrayRead(U, &u));
-  for (PetscInt k = 0; k < rod->end - rod->first; k++) {
-    PetscInt n = 0;
-    PlaceOf(rod, u, k, x);
-    if (graze->node[k]) n = DentsOf(rod, x, dent);
-    for (PetscInt j = 0; j < n; j++)
-      if (!graze->wall[dent[j].wall]) *depth = PetscMax(*depth, dent[j].depth);
-  }
-  PetscCall(VecRestoreArrayRead(U, &u));
-  PetscCall(LookAtFeet(rod, t, U, graze, depth));
+  PetscCall(LookAt(rod, t, U, graze, depth));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, depth, 1, MPIU_REAL, MPI_MAX, rod->scene->comm));
   PetscFunctionReturn(0);
 }

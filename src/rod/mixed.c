@@ -508,35 +508,12 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
 /* The dual of each node, and that of the tip beside the last node's. */
 enum { REMEMBERED = 4 };
 
-static PetscErrorCode MixedRemember(Rod rod, Vec memory) {
-  Mixed *self = (Mixed *)rod->data;
-  PetscReal *m;
+static PetscReal *MixedRemembered(Rod rod, PetscInt i, PetscInt k) {
+  const Mixed *self = (const Mixed *)rod->data;
 
-  PetscFunctionBegin;
-  PetscCall(VecZeroEntries(memory));
-  PetscCall(VecGetArray(memory, &m));
-  for (PetscInt k = 0; k < rod->end - rod->first; k++)
-    PetscCall(PetscArraycpy(m + REMEMBERED * k, self->dual[k].w, 2));
-  if (rod->end == rod->last + 1)
-    PetscCall(
-        PetscArraycpy(m + REMEMBERED * (rod->last - rod->first) + 2, TipDual(self, rod)->w, 2));
-  PetscCall(VecRestoreArray(memory, &m));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode MixedRecall(Rod rod, Vec memory) {
-  Mixed *self = (Mixed *)rod->data;
-  const PetscReal *m;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetArrayRead(memory, &m));
-  for (PetscInt k = 0; k < rod->end - rod->first; k++)
-    PetscCall(PetscArraycpy(self->dual[k].w, m + REMEMBERED * k, 2));
-  if (rod->end == rod->last + 1)
-    PetscCall(
-        PetscArraycpy(TipDual(self, rod)->w, m + REMEMBERED * (rod->last - rod->first) + 2, 2));
-  PetscCall(VecRestoreArrayRead(memory, &m));
-  PetscFunctionReturn(0);
+  if (i < rod->first || i >= rod->end) return NULL;
+  if (k < 2) return &self->dual[i - rod->first].w[k];
+  return i == rod->last ? &TipDual(self, rod)->w[k - 2] : NULL;
 }
 
 static PetscErrorCode MixedCreate(Rod rod) {
@@ -589,5 +566,4 @@ const RodModel rod_mixed = {.name = "mixed",
                             .residual = MixedResidual,
                             .jacobian = MixedJacobian,
                             .bears = MixedBears,
-                            .remember = MixedRemember,
-                            .recall = MixedRecall};
+                            .remembered = MixedRemembered};

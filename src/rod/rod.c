@@ -89,6 +89,45 @@ PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory) {
   PetscFunctionReturn(0);
 }
 
+/* RodRemember - what a restart is to find of what the model remembers. */
+PetscErrorCode RodRemember(Rod rod, Vec memory) {
+  PetscReal *m;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(memory, &m));
+  for (PetscInt i = rod->first; i < rod->end; i++)
+    for (PetscInt k = 0; k < rod->memory; k++) {
+      const PetscReal *value = rod->model->remembered(rod, i, k);
+      m[(i - rod->first) * rod->memory + k] = value ? *value : 0;
+    }
+  PetscCall(VecRestoreArray(memory, &m));
+  PetscFunctionReturn(0);
+}
+
+/* RodRecall - takes that back. (The cells beside the owned nodes are remembered here too.)
+   Collective. */
+PetscErrorCode RodRecall(Rod rod, Vec memory) {
+  const PetscInt from = PetscMax(rod->first - 1, 0);
+  const PetscReal *m;
+  Vec local;
+  DM da;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetDM(memory, &da));
+  PetscCall(DMGetLocalVector(da, &local));
+  PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
+  PetscCall(VecGetArrayRead(local, &m));
+  for (PetscInt i = from; i <= PetscMin(rod->end, rod->last); i++)
+    for (PetscInt k = 0; k < rod->memory; k++) {
+      PetscReal *value = rod->model->remembered(rod, i, k);
+      if (value) *value = m[(i - from) * rod->memory + k];
+    }
+  PetscCall(VecRestoreArrayRead(local, &m));
+  PetscCall(DMRestoreLocalVector(da, &local));
+  if (rod->model->recalled) PetscCall(rod->model->recalled(rod));
+  PetscFunctionReturn(0);
+}
+
 /* RodOpen - the values of a vector, indexed by node and with those of the neighbours, for reading;
    array points to a pointer to arrays of the model's fields. End with RodClose(). Collective. */
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array) {

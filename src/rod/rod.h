@@ -130,9 +130,11 @@ typedef struct {
   /* by more than half a turn: has a cross-section turned as far from one state to another, so that
      which way round is not known? NULL: it cannot */
   PetscErrorCode (*turned)(Rod, Vec U0, Vec U1, PetscBool *turned);
-  /* what Newton's method remembers from step to step, for a restart: see memory of the rod */
-  PetscErrorCode (*remember)(Rod, Vec memory);
-  PetscErrorCode (*recall)(Rod, Vec memory);
+  /* what Newton's method remembers from step to step: value k, of as many as the rod's memory says,
+     at an owned node i or one beside these; NULL: nothing there. And all of it has been taken back:
+     what depends on it is looked at anew; NULL: nothing does */
+  PetscReal *(*remembered)(Rod, PetscInt i, PetscInt k);
+  PetscErrorCode (*recalled)(Rod);
   /* what changes of the fields are measured against, from their sizes; NULL: these */
   void (*scale)(PetscReal size[]);
   /* exact Coulomb friction: see LoadHold(); NULL: regularised friction only */
@@ -180,6 +182,8 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
 PetscErrorCode RodDestroy(Rod *rod);
 PetscErrorCode RodCreateMatrix(Rod rod, Mat *J);
 PetscErrorCode RodCreateMemory(Rod rod, DM *da, Vec *memory);
+PetscErrorCode RodRemember(Rod rod, Vec memory);
+PetscErrorCode RodRecall(Rod rod, Vec memory);
 PetscErrorCode RodGetLocalNodes(Rod rod, PetscReal t, Vec U, Vec *local, const Node **with);
 PetscErrorCode RodRestoreLocalNodes(Rod rod, Vec *local, const Node **with);
 PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes);

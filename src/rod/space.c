@@ -266,8 +266,8 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
   .refuses = SpaceRefuses, .create = SpaceCreate, .destroy = SpaceDestroy,                         \
   .initial = SpaceInitial, .scale = SpaceScale, .set = SpaceSet, .get = SpaceGet,                  \
   .residual = SpaceResidual, .defect = SpaceDefect, .moments = SpaceMoments,                       \
-  .turned = SpaceTurned, .hold = SpaceHold, .bears = SpaceBears, .remember = SpaceRemember,        \
-  .recall = SpaceRecall, .jacobian = SpaceJacobian, .eliminate = SpaceEliminate
+  .turned = SpaceTurned, .hold = SpaceHold, .bears = SpaceBears, .remembered = SpaceRemembered,    \
+  .recalled = SpaceRecalled, .jacobian = SpaceJacobian, .eliminate = SpaceEliminate
 #define NAMES "x1", "x2", "x3", "p0", "p1", "p2", "p3", "m1", "m2", "m3", "n1", "n2", "n3"
 #define FIRST_FOLLOWED                                                                             \
   PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE

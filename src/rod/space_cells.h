@@ -174,8 +174,8 @@ enum { OF_DUAL = sizeof(FrictionDual4) / sizeof(PetscReal) }; /* reals of one */
 PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum);
 PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep);
 PetscInt SpaceRemembers(const Load *load);
-PetscErrorCode SpaceRemember(Rod rod, Vec memory);
-PetscErrorCode SpaceRecall(Rod rod, Vec memory);
+PetscReal *SpaceRemembered(Rod rod, PetscInt i, PetscInt k);
+PetscErrorCode SpaceRecalled(Rod rod);
 
 /* space_start.c */
 PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes);

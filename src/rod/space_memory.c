@@ -102,7 +102,8 @@ PetscInt SpaceRemembers(const Load *load) {
   return 2 * OF_DUAL * load->duals3;
 }
 
-static PetscReal *Remembered(Rod rod, PetscInt i, PetscInt k) {
+/* SpaceRemembered - value k of what is remembered at node i, in that order. */
+PetscReal *SpaceRemembered(Rod rod, PetscInt i, PetscInt k) {
   const Space_ *self = (const Space_ *)rod->data;
   const PetscInt of_points = SpaceRemembers(&rod->scene->load), cell = i - rod->first + 1;
   FrictionDual4 *dual = Duals(self, 2 * cell) + k / OF_DUAL;
@@ -111,36 +112,9 @@ static PetscReal *Remembered(Rod rod, PetscInt i, PetscInt k) {
   return (PetscReal *)dual + k % OF_DUAL;
 }
 
-/* SpaceRemember - what a restart is to find of it. */
-PetscErrorCode SpaceRemember(Rod rod, Vec memory) {
-  PetscReal *m;
-
+/* SpaceRecalled - it has been taken back: the points depend on it. */
+PetscErrorCode SpaceRecalled(Rod rod) {
   PetscFunctionBegin;
-  PetscCall(VecGetArray(memory, &m));
-  for (PetscInt i = rod->first; i < rod->end; i++)
-    for (PetscInt k = 0; k < rod->memory; k++)
-      m[(i - rod->first) * rod->memory + k] = *Remembered(rod, i, k);
-  PetscCall(VecRestoreArray(memory, &m));
-  PetscFunctionReturn(0);
-}
-
-/* SpaceRecall - takes that back. (The cells beside the owned nodes are remembered here too.) */
-PetscErrorCode SpaceRecall(Rod rod, Vec memory) {
-  const PetscReal *m;
-  Vec local;
-  PetscInt from = PetscMax(rod->first - 1, 0);
-  DM da;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetDM(memory, &da));
-  PetscCall(DMGetLocalVector(da, &local));
-  PetscCall(DMGlobalToLocal(da, memory, INSERT_VALUES, local));
-  PetscCall(VecGetArrayRead(local, &m));
-  for (PetscInt i = from; i <= PetscMin(rod->end, rod->last); i++)
-    for (PetscInt k = 0; k < rod->memory; k++)
-      *Remembered(rod, i, k) = m[(i - from) * rod->memory + k];
-  PetscCall(VecRestoreArrayRead(local, &m));
-  PetscCall(DMRestoreLocalVector(da, &local));
   SpaceCellsForget((Space_ *)rod->data);
   PetscFunctionReturn(0);
 }

@@ -605,12 +605,20 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
   PetscFunctionReturn(0);
 }
 
-/* What the moment and the force at a node work along: the turn 2 vec(dp p*) / |p|^2, and x. */
-static void Arms(const Point *point, WideArms *arms) {
-  const PetscReal f = 2 / point->size, *p = point->p;
-  const PetscReal turn[3][4] = {
+/* What a turn of e changes p by, dp = (0, e) p/2: twice that, of each part of e. */
+static void TurnSlopes(const PetscReal p[4], PetscReal turn[3][4]) {
+  const PetscReal all[3][4] = {
       {-p[1], p[0], -p[3], p[2]}, {-p[2], p[3], p[0], -p[1]}, {-p[3], -p[2], p[1], p[0]}};
 
+  memcpy(turn, all, sizeof(all));
+}
+
+/* What the moment and the force at a node work along: the turn 2 vec(dp p*) / |p|^2, and x. */
+static void Arms(const Point *point, WideArms *arms) {
+  const PetscReal f = 2 / point->size;
+  PetscReal turn[3][4];
+
+  TurnSlopes(point->p, turn);
   memset(arms, 0, sizeof(*arms));
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 4; j++) arms->way[i][P + j] = f * turn[i][j];
@@ -625,13 +633,11 @@ static void Arms(const Point *point, WideArms *arms) {
    turn of e, dp = (0, e) p/2, and a place. */
 static PetscErrorCode BeginSprings(Rod rod, PetscReal t, const Point *first,
                                    PetscReal gives[LEFT][RIGHT]) {
-  const PetscReal *p = first->p;
   const PetscBool is_free = (PetscBool)(rod->scene->clamp == CLAMP_FREE);
-  const PetscReal turn[3][4] = {
-      {-p[1], p[0], -p[3], p[2]}, {-p[2], p[3], p[0], -p[1]}, {-p[3], -p[2], p[1], p[0]}};
-  PetscReal length;
+  PetscReal length, turn[3][4];
 
   PetscFunctionBegin;
+  TurnSlopes(first->p, turn);
   PetscCall(GrowthLength(rod->scene->growth, t, &length, NULL));
   memset(gives, 0, LEFT * sizeof(*gives));
   for (int i = 0; i < 3; i++) {

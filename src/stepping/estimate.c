@@ -552,9 +552,9 @@ static PetscErrorCode SubtractChange(Estimate self, PetscReal t, CoarseNumber nu
 
   PetscFunctionBegin;
   PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
-  (void)RodCoarseSet(self->rod, number, (1 + step_rule.derivative_step) * taken);
+  RodCoarseSet(self->rod, number, (1 + step_rule.derivative_step) * taken);
   PetscCall(self->model->residual(self->rod, &at, self->G));
-  (void)RodCoarseSet(self->rod, number, taken);
+  RodCoarseSet(self->rod, number, taken);
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
   for (PetscInt i = 0; i < self->nodes * self->fields; i++)

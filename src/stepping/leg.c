@@ -351,7 +351,7 @@ static PetscErrorCode LetGo(Rod rod) {
   if (!rod->memory || !RodSticks(rod)) PetscFunctionReturn(0);
   PetscCall(RodCreateMemory(rod, &da, &none));
   PetscCall(VecSet(none, 0));
-  PetscCall(rod->model->recall(rod, none));
+  PetscCall(RodRecall(rod, none));
   PetscCall(VecDestroy(&none));
   PetscCall(DMDestroy(&da));
   PetscFunctionReturn(0);

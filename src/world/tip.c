@@ -153,8 +153,8 @@ static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
   if (tip->path) PathAt(tip->path, t, held);
   for (int d = 0; d < 3; d++)
     if (tip->lead[d].on) held->x[d] = LeadValue(&tip->lead[d], t);
-  if (tip->turned.on) held->angle = LeadValue(&tip->turned, t);
   if (!tip->turned.on) return;
+  held->angle = LeadValue(&tip->turned, t);
   held->p[0] = PetscCosReal(held->angle / 2);
   held->p[3] = PetscSinReal(held->angle / 2);
 }
@@ -166,7 +166,7 @@ void TipLeadTo(Tip *tip, PetscReal t, PetscReal by, const PetscReal x[3]) {
 
   Held(tip, t, &held);
   for (int d = 0; d < 3; d++)
-    LeadTo(&tip->lead[d], t, held.x[d], tip->lead[d].on ? LeadRate(&tip->lead[d], t) : 0, by, x[d]);
+    LeadTo(&tip->lead[d], t, held.x[d], LeadRate(&tip->lead[d], t), by, x[d]);
 }
 
 /* TipTurnTo - ... in the plane, to a direction against the clamp's. */
@@ -174,7 +174,7 @@ void TipTurnTo(Tip *tip, PetscReal t, PetscReal by, PetscReal angle) {
   PathPlace held;
 
   Held(tip, t, &held);
-  LeadTo(&tip->turned, t, held.angle, tip->turned.on ? LeadRate(&tip->turned, t) : 0, by, angle);
+  LeadTo(&tip->turned, t, held.angle, LeadRate(&tip->turned, t), by, angle);
 }
 
 /* TipNextTurn - the first time behind t at which a tip that is led sets out, stops or turns back;

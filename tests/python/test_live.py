@@ -203,7 +203,8 @@ class Sessions(unittest.TestCase):
         with tempfile.TemporaryDirectory() as directory:
             place = Path(directory)
             (place / "said.txt").write_text("# t\n0.2 feed_speed 0.5\n0.9 feed_speed 0.25 # slower\n")
-            session = Session(prepare(None, STONES | dict(wall_file=["plane 0 -5 0 1"], change_file=str(place / "said.txt"), ts_max_time=1.2), place), place, results=place)
+            session = Session(prepare(None, STONES | dict(wall_file=["plane 0 -5 0 1"], change_file=str(place / "said.txt"), ts_max_time=1.2,
+                                                           output_interval=0.1), place), place, results=place)
 
             def until(t):
                 while session.sim.t < t and not session.branch.ended:
@@ -230,7 +231,7 @@ class Sessions(unittest.TestCase):
                 self.assertEqual(len(session.table()), 4 - undo)
                 session.save_played("again")
                 rows = np.column_stack([session.sim.series[name] for name in session.names])
-                self.assertEqual(differs(place / "again" / "again.opts", session.names, rows, place)[0], 0)
+                self.assertEqual(differs(place / "again" / "again.opts", session.names, rows)[0], 0)
 
     def test_a_saved_scene_has_all_files_that_its_walls_name(self):
         from tendril.playing import prepare, save_scene

@@ -377,6 +377,19 @@ class View(unittest.TestCase):
         charts = content(self.page(self.runs))["charts"]
         self.assertEqual(seen["lines"][0], len(charts[0]["series"]))
 
+    @unittest.skipUnless(BROWSER, "no Chromium here")
+    def test_a_series_of_hardly_anything_on_a_logarithmic_axis(self):
+        """Errors of a tip that is held are 1e-27: their chart has numbers at decades, as any."""
+        drawn = """const seen = {}; window.onerror = (message) => { seen.error = message; };
+            const told = [[1e-27, 1], [2e-5, 3e-4]].map(([low, high]) => new uPlot({ width: 400, height: 210, scales: { x: { time: false }, y: { distr: 3 } },
+              axes: [{}, valueAxis(true)], series: [{}, { stroke: "red" }] }, [[0, 1], [low, high]], document.body));
+            setTimeout(() => { seen.numbers = told.map((u) => u.axes[1]._values);
+              const pre = document.createElement("pre"); pre.id = "seen"; pre.textContent = JSON.stringify(seen);
+              document.body.append(pre); }, 300);"""
+        seen = self.seen(self.page(self.runs[0]), "800,600", drawn)
+        self.assertNotIn("error", seen)
+        self.assertEqual(seen["numbers"], [["1e-25", "1e-20", "1e-15", "1e-10", "1e-5", "1"], ["1e-4", "0.001"]])
+
     # ---- a rod in space ----
 
     @classmethod

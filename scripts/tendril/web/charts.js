@@ -54,21 +54,6 @@ function columns(chart, runs, times) {
   return [lines, values, bands];
 }
 
-// On a logarithmic axis only decades, and of many only some, have a line and a number.
-function decades(u, splits) {
-  const [low, high] = [u.scales.y.min, u.scales.y.max].map(Math.log10);
-  const every = Math.max(1, Math.ceil((high - low) / 6));
-  return splits.map((v) => {
-    const power = Math.log10(v);
-    return Math.abs(power - Math.round(power)) < 1e-9 && Math.round(power) % every === 0 ? v : null;
-  });
-}
-
-function valueAxis(log) {
-  const axis = { size: 58, values: (u, ticks) => ticks.map(tick) };
-  return log ? { ...axis, space: 1, filter: decades, grid: { filter: decades }, ticks: { filter: decades } } : axis;
-}
-
 // The value of a series that is the same throughout all runs; else undefined.
 function constant(name) {
   const all = data.runs.map((run) => run.series[name]).filter(Boolean), v = all[0][0];

@@ -1,14 +1,7 @@
 // The picture of a run one can touch: a rod and what stands around it, in the plane or in space, on a canvas.
 const INK = "#222", SOLID = "#e8e4da", EDGE = "#8a8371", HAND = "#7A2E8E", PUSH = "#C2410C", DRAG = "#777";
-const ENDS_OF = { axial: [[180, 4, 38], [221, 221, 221], [59, 76, 192]], bend: [[0, 109, 91], [225, 225, 225], [140, 81, 10]],
+const ENDS_OF = { axial: SIGNED, bend: [[0, 109, 91], [225, 225, 225], [140, 81, 10]],
   growth: [[118, 42, 131], [230, 230, 230], [27, 120, 55]], speed: [[230, 230, 230], [230, 230, 230], [178, 24, 43]] };
-
-const shareOf = (value, most) => (most > 0 ? Math.asinh(20 * Math.abs(value) / most) / Math.asinh(20) : 0);
-
-function shadeOf(kind, value, most) {
-  const [low, none, high] = ENDS_OF[kind], end = value < 0 ? low : high, part = Math.min(1, shareOf(value, most));
-  return `rgb(${none.map((c, i) => Math.round(c + (end[i] - c) * part))})`;
-}
 
 function unpackFrame(frame) {
   const made = {};
@@ -195,16 +188,16 @@ class Stage {
   }
 
   drawRuler() {
-    const { ctx } = this, wide = this.width / 5 / this.scale, step = 10 ** Math.floor(Math.log10(wide));
-    const long = [5, 2, 1].map((k) => k * step).find((k) => k <= wide) || step;
-    const f = this.unit || [1, ""], x = 12, y = this.height - 12;
+    const { ctx } = this, [factor, unit] = this.unit || [1, ""], wide = factor * this.width / 5 / this.scale, step = 10 ** Math.floor(Math.log10(wide));
+    const round = [5, 2, 1].map((k) => k * step).find((k) => k <= wide) || step;  // in the unit that is shown
+    const long = round / factor * this.scale, x = 12, y = this.height - 12;
     ctx.strokeStyle = ctx.fillStyle = "#555";
     ctx.lineWidth = 1.5;
     ctx.beginPath();
-    ctx.moveTo(x, y - 4); ctx.lineTo(x, y); ctx.lineTo(x + long * this.scale, y); ctx.lineTo(x + long * this.scale, y - 4);
+    ctx.moveTo(x, y - 4); ctx.lineTo(x, y); ctx.lineTo(x + long, y); ctx.lineTo(x + long, y - 4);
     ctx.stroke();
     ctx.font = "12px system-ui, sans-serif";
-    ctx.fillText(`${number(long * f[0])} ${f[1]}`, x + 6, y - 6);
+    ctx.fillText(`${number(round)} ${unit}`, x + 6, y - 6);
   }
 
   drawRod(frame, plain, scene, kind) {
@@ -222,7 +215,7 @@ class Stage {
     for (let i = 0; i + 1 < values.length; i++) {
       const [ax, ay] = this.place(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
       const [bx, by] = this.place(x[3 * i + 3], x[3 * i + 4], x[3 * i + 5]), long = Math.hypot(bx - ax, by - ay) || 1;
-      ctx.strokeStyle = shadeOf(kind, (values[i] + values[i + 1]) / 2, this.most[kind]);
+      ctx.strokeStyle = rgb(signed(ENDS_OF[kind], (values[i] + values[i + 1]) / 2, this.most[kind]));
       ctx.beginPath();
       ctx.moveTo(ax, ay);
       ctx.lineTo(bx + 0.5 * (bx - ax) / long, by + 0.5 * (by - ay) / long);
@@ -234,12 +227,7 @@ class Stage {
   arrow(from, way, colour, width = 1.4) {
     const { ctx } = this, [x, y] = from, [dx, dy] = way, long = Math.hypot(dx, dy);
     if (long < 2) return;
-    const head = Math.min(0.4, 8 / long);
-    ctx.beginPath();
-    ctx.moveTo(x, y); ctx.lineTo(x + dx, y + dy);
-    ctx.lineTo(x + dx - head * (dx - 0.5 * dy), y + dy - head * (dy + 0.5 * dx));
-    ctx.moveTo(x + dx, y + dy);
-    ctx.lineTo(x + dx - head * (dx + 0.5 * dy), y + dy - head * (dy - 0.5 * dx));
+    arrowPath(ctx, x, y, dx, dy, Math.min(0.4, 8 / long));
     for (const [stroke, w] of [["#fffc", width + 2], [colour, width]]) {
       ctx.strokeStyle = stroke;
       ctx.lineWidth = w;

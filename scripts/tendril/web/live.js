@@ -46,7 +46,7 @@ const OVERLAY = "#b9b9b9", LINES = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"];
 function mount(root, connection) {
   const S = { scene: null, rows: [], frames: [], frame: null, before: null, came: 0, every: 50, running: false, pace: null, end: 1, values: {},
     branches: [], branch: 0, ended: "", t: 0, looking: null, walls: {}, hand: [0, 0, 0], ghost: null, rates: [0, 0], colour: "axial",
-    arrows: true, lab: false, grabbed: null, slow: 0, written: [], changes: [], fps: 0 };
+    arrows: true, lab: false, grabbed: null, slow: 0, written: [], changes: [] };
   root.classList.add("l-all");
   const send = (what, more = {}) => connection.send({ do: what, ...more });
   const unit = (name) => (S.lab && S.scene && S.scene.factors[name]) || 1;
@@ -105,7 +105,7 @@ function mount(root, connection) {
     const now = performance.now();
     S.every = Math.min(120, Math.max(16, now - S.came));
     S.came = now;
-    Object.assign(S, { t: m.t, walls: m.walls, rates: m.rates, hand: m.hand, slow: 0, wallsBefore: S.walls });
+    Object.assign(S, { t: m.t, walls: m.walls, rates: m.rates, hand: m.hand, slow: 0 });
     S.fresh = true;
     tell();
   }
@@ -158,7 +158,6 @@ function mount(root, connection) {
     page.branch = make("button", { type: "button", textContent: "go on from here", hidden: true, onclick: () => { send("back", { t: S.looking }); S.looking = null; } });
     page.toEnd = make("button", { type: "button", textContent: "to now", hidden: true, onclick: () => look(S.t) });
     page.paceNow = make("span", { className: "l-now" });
-    const pace = (times) => send("pace", { pace: Math.min(1e6, (S.pace || S.end / 4) * times) });
     const step = make("button", { type: "button", textContent: "step", title: ".", onclick: () => send("step") });
     const slower = make("button", { type: "button", textContent: "slower", title: "-", onclick: () => pace(0.5) });
     const faster = make("button", { type: "button", textContent: "faster", title: "+", onclick: () => pace(2) });
@@ -169,7 +168,7 @@ function mount(root, connection) {
       ...Object.entries(COLOURS).map(([value, text]) => make("option", { value, textContent: text })));
     const arrows = make("label", {}, make("input", { type: "checkbox", checked: true, onchange: (e) => { S.arrows = e.target.checked; } }), " forces");
     const lab = make("label", { hidden: !Object.keys(S.scene.units).length }, make("input", { type: "checkbox", checked: S.lab, onchange: (e) => {
-      S.lab = e.target.checked; stage.unit = [unit("l"), unitName("l")]; refreshControls(); drawCharts(); tell(); } }), " laboratory units");
+      S.lab = e.target.checked; setUnits(); refreshControls(); drawCharts(); tell(); } }), " laboratory units");
     const fit = make("button", { type: "button", textContent: "whole", title: "see all of it", onclick: () => stage.forget() });
     const saves = ["scene", "result", "picture", "film", "page"].map((what) => make("button", { type: "button", textContent: what, onclick: () => send("save", { what: [what] }) }));
     page.files = make("div", { className: "l-files" });
@@ -184,12 +183,16 @@ function mount(root, connection) {
     root.replaceChildren(make("div", { className: "l-run" }, left, make("div", {}, page.charts, options)));
     stage = new Stage(canvas, () => ({ scene: S.scene, frame: shown(), ghost: ghostFrame(), walls: S.looking === null ? S.walls : {}, hand: S.hand, grabbed: S.grabbed,
       colour: S.colour || null, arrows: S.arrows }));
-    stage.unit = [unit("l"), unitName("l")];
-    stage.force = [unit("N l"), unitName("N l")];
+    setUnits();
     resize();
     touch(canvas);
     makeCharts();
     tell();
+  }
+
+  function setUnits() {
+    stage.unit = [unit("l"), unitName("l")];
+    stage.force = [unit("N l"), unitName("N l")];
   }
 
   function resize() {
@@ -297,6 +300,8 @@ function mount(root, connection) {
     page.files.replaceChildren(...S.written.map((name) => make("a", { href: connection.file ? connection.file(name) : "#", textContent: name, target: "_blank" })));
   }
 
+  const pace = (times) => send("pace", { pace: Math.min(1e6, (S.pace || S.end / 4) * times) });
+  const letGo = () => S.scene.pulls && send("hand", { force: [0, 0, 0] });
   const has = (name) => S.scene && S.scene.controls.some((one) => one.name === name);
   const feed = (speed) => has("feed_speed") && send("set", { name: "feed_speed", value: speed });
   const spin = (rate) => has("clamp_spin") && send("set", { name: "clamp_spin", value: rate });
@@ -306,7 +311,7 @@ function mount(root, connection) {
     const tools = make("div", { className: "l-tools" });
     if (has("feed_speed")) tools.append(button("◀ pull back", "left", () => feed(-1)), button("■ hold", "down", () => feed(0)), button("▶ feed", "right", () => feed(1)));
     if (has("clamp_spin")) tools.append(button("↺ twist", "q", () => spin(-1)), button("untwist ↻", "e", () => spin(1)), button("no twist", "w", () => spin(0)));
-    if (S.scene.pulls) tools.append(button("let the tip go", "x", () => send("hand", { force: [0, 0, 0] })));
+    if (S.scene.pulls) tools.append(button("let the tip go", "x", letGo));
     if (S.scene.posts) tools.append(button("put a post", "p", () => { S.putting = true; say("click where the post is to stand"); }));
     const words = [["space", "run, pause"], [".", "step"], ["z", "undo"]];
     if (has("feed_speed")) words.push(["← ↓ →", "pull back, hold, feed"]);
@@ -322,8 +327,8 @@ function mount(root, connection) {
     if (!page || !page.run || ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName) && event.target.type !== "range") return;
     if (!root.isConnected || event.ctrlKey || event.metaKey || event.altKey) return;
     const act = { " ": () => send(S.running ? "pause" : "run"), ".": () => send("step"), z: () => send("undo"), ArrowRight: () => feed(1), ArrowLeft: () => feed(-1),
-      ArrowDown: () => feed(0), q: () => spin(-1), e: () => spin(1), w: () => spin(0), x: () => S.scene.pulls && send("hand", { force: [0, 0, 0] }),
-      "+": () => send("pace", { pace: (S.pace || S.end / 4) * 2 }), "-": () => send("pace", { pace: (S.pace || S.end / 4) / 2 }) }[event.key];
+      ArrowDown: () => feed(0), q: () => spin(-1), e: () => spin(1), w: () => spin(0), x: letGo,
+      "+": () => pace(2), "-": () => pace(0.5) }[event.key];
     if (!act || event.key === " " && ["BUTTON", "SUMMARY"].includes(event.target.tagName)) return;
     event.preventDefault();
     act();
@@ -472,26 +477,28 @@ function mount(root, connection) {
   function makeChart(one) {
     if (one.plot) one.plot.destroy();
     const chart = S.scene.charts[one.which];
-    const series = [{ label: `t${unitName("l/V") ? ` (${unitName("l/V")})` : ""}`, value: (u, v) => number(v) },
-      ...chart.series.map((name, i) => ({ label: S.scene.symbols[name], stroke: LINES[i % 4], width: 1.6, dash: i > 3 ? [5, 3] : [], points: { show: false }, spanGaps: true,
-        value: (u, v) => number(v) }))];
+    const abscissa = { label: `t${unitName("l/V") ? ` (${unitName("l/V")})` : ""}`, value: (u, v) => number(v) };
+    const series = chart.series.map((name, i) => ({ label: S.scene.symbols[name], stroke: LINES[i % 4], width: 1.6, dash: i > 3 ? [5, 3] : [], points: { show: false }, spanGaps: true,
+      value: (u, v) => number(v) }));
     const ghosts = S.ghost ? chart.series.map(() => ({ label: "before", stroke: OVERLAY, width: 1.2, points: { show: false }, spanGaps: true, value: (u, v) => number(v) })) : [];
     const names = chart.unit !== "1" && unitName(chart.unit) ? unitName(chart.unit) : "";
-    one.plot = new uPlot({ width: Math.max(200, one.place.clientWidth || 300), height: 165, pxAlign: 0, series: [...series, ...ghosts], scales: { x: { time: false }, y: chart.log ? { distr: 3 } : {} },
-      axes: [{ size: 30 }, { size: 58, label: names, labelSize: names ? 16 : 0, values: (u, ticks) => ticks.map(tick) }], legend: { show: chart.series.length > 1 || S.ghost },
+    one.plot = new uPlot({ width: Math.max(200, one.place.clientWidth || 300), height: 165, pxAlign: 0, series: [abscissa, ...ghosts, ...series], scales: { x: { time: false }, y: chart.log ? { distr: 3 } : {} },
+      axes: [{ size: 30 }, { ...valueAxis(chart.log), label: names, labelSize: names ? 16 : 0 }], legend: { show: chart.series.length > 1 || S.ghost },
       cursor: { drag: { x: false, y: false } }, padding: [8, 8, 0, 0] }, data(chart), one.place);
     one.plot.over.addEventListener("click", () => { const t = one.plot.posToVal(one.plot.cursor.left, "x") / unit("l/V"); look(Math.max(0, Math.min(S.t, t))); });
-    one.ghost = !!S.ghost;
+    one.looks = looks();
   }
 
   function data(chart) {
     const now = table(S.rows, chart);
-    return S.ghost ? uPlot.join([now, table(S.ghost.rows, chart)]) : now;
+    return S.ghost ? uPlot.join([table(S.ghost.rows, chart), now]) : now;
   }
+
+  const looks = () => `${!!S.ghost} ${S.lab}`;  // what a chart is made for
 
   function drawCharts() {
     if (!S.rows.length || !page || !page.charts) return;
-    for (const one of charts) if (!one.plot || one.ghost !== !!S.ghost) makeChart(one); else one.plot.setData(data(S.scene.charts[one.which]));
+    for (const one of charts) if (!one.plot || one.looks !== looks()) makeChart(one); else one.plot.setData(data(S.scene.charts[one.which]));
   }
 
   function markTime() {
@@ -579,16 +586,13 @@ function mount(root, connection) {
 
   // ---- by frames ----
 
-  let counted = 0, since = performance.now(), drawnAt = 0;
+  let drawnAt = 0;
   function frame(now) {
     if (!root.isConnected && S.scene) return;
     if (stage && page && page.canvas && page.canvas.isConnected) {
       stage.draw();
-      counted++;
-      if (S.fresh) { S.shownT = S.t; S.shownAt = now; S.fresh = false; S.stale = true; }
-      if (S.stale && now - drawnAt > 250) { drawCharts(); drawnAt = now; S.stale = false; }
+      if (S.fresh && now - drawnAt > 250) { drawCharts(); drawnAt = now; S.fresh = false; }
     }
-    if (now - since > 1000) { S.fps = 1000 * counted / (now - since); counted = 0; since = now; }
     requestAnimationFrame(frame);
   }
   requestAnimationFrame(frame);

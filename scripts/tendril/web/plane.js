@@ -37,18 +37,6 @@ function equalScales(u) {
     [(v[0] + v[1] - size) / 2, (v[0] + v[1] + size) / 2]);
 }
 
-const ENDS = [[180, 4, 38], [221, 221, 221], [59, 76, 192]];  // compression, none, tension
-// Where a force stands between none and the strongest, 0 to 1: small ones are told apart, too. The colour
-// bar has its numbers at these places.
-const saturation = (force) => Math.asinh(20 * Math.abs(force) / data.strongest) / Math.asinh(20);
-
-function shade(force) {
-  const size = saturation(force);
-  const end = force < 0 ? ENDS[0] : ENDS[2];
-  const mix = ENDS[1].map((c, i) => Math.round(c + (end[i] - c) * Math.min(1, size)));
-  return `rgb(${mix})`;
-}
-
 function trace(u, points, f) {
   for (let i = 0; i < points.length; i += 2) {
     const x = u.valToPos(points[i] * f, "x", true), y = u.valToPos(points[i + 1] * f, "y", true);
@@ -82,13 +70,7 @@ function drawForces(u, places, forces, strongest, colour, f, end) {
     if (Math.hypot(dx, dy) < 2 * devicePixelRatio) continue;
     const x = u.valToPos(places[i] * f, "x", true) - (end ? dx : 0);
     const y = u.valToPos(places[i + 1] * f, "y", true) - (end ? dy : 0);
-    const head = Math.min(0.35, 7 * devicePixelRatio / Math.hypot(dx, dy));  // of the arrow
-    ctx.beginPath();
-    ctx.moveTo(x, y);
-    ctx.lineTo(x + dx, y + dy);
-    ctx.lineTo(x + dx - head * (dx - 0.5 * dy), y + dy - head * (dy + 0.5 * dx));
-    ctx.moveTo(x + dx, y + dy);
-    ctx.lineTo(x + dx - head * (dx + 0.5 * dy), y + dy - head * (dy - 0.5 * dx));
+    arrowPath(ctx, x, y, dx, dy, Math.min(0.35, 7 * devicePixelRatio / Math.hypot(dx, dy)));
     for (const [stroke, width] of [["#fffc", 3.2], [colour, 1.3]]) {  // a rim, over whatever it is drawn
       ctx.strokeStyle = stroke;
       ctx.lineWidth = width * devicePixelRatio;
@@ -120,7 +102,7 @@ function drawRun(u, run) {
     ctx.lineWidth = thick - 1.6 * devicePixelRatio;
   }
   for (let i = 0; !several && i + 1 < shape.axial.length; i++) {
-    ctx.strokeStyle = shade((shape.axial[i] + shape.axial[i + 1]) / 2);
+    ctx.strokeStyle = rgb(signed(SIGNED, (shape.axial[i] + shape.axial[i + 1]) / 2, data.strongest));
     polyline(u, shape.x.subarray(2 * i, 2 * i + 4), f);
   }
   if (shape.contact && element("contact").checked)
@@ -166,7 +148,7 @@ function makeRod() {
 // The colours of the axial force with its numbers, and how strong the longest arrows are.
 function makeBar() {
   const unit = factor(data.runs[0], "N l"), most = data.strongest * unit, ticks = element("ticks");
-  const place = (v) => 50 + 50 * Math.sign(v) * saturation(v / unit);
+  const place = (v) => 50 + 50 * Math.sign(v) * saturation(v / unit, data.strongest);
   const inner = [];
   for (let power = Math.floor(Math.log10(most)); power > Math.log10(most) - 2; power--)
     if (Math.abs(place(10 ** power) - (inner.length ? place(inner.at(-1)) : 100)) > 14) inner.push(10 ** power);

@@ -3,8 +3,7 @@
 // Drawn by three.js as a tube; where there is no WebGL as lines on a canvas, seen by the same camera.
 const hasContact = data.touches && data.runs.some((run) => "contact" in run.widths);
 const SIDES = 14, GHOSTS = 5, LEAST = 3;  // of a tube; earlier shapes; the least thickness in pixels
-const ENDS = [[180, 4, 38], [221, 221, 221], [59, 76, 192]];  // of what has a sign: negative, 0, positive
-const RISING = [[214, 214, 210], [253, 187, 132], [227, 74, 51], [127, 0, 0]];  // of what has none
+const RISING = [[214, 214, 210], [253, 187, 132], [227, 74, 51], [127, 0, 0]];  // of what has no sign
 const V = (x, y, z) => new THREE.Vector3(x, y, z);
 const axis = (d) => V(...[0, 1, 2].map((i) => (i === Math.abs(d) - 1 ? Math.sign(d) : 0)));
 const UP = axis(data.up), RIGHT = axis(Math.abs(data.up) === 1 ? 2 : 1), BACK = RIGHT.clone().cross(UP);
@@ -37,18 +36,7 @@ function bodyAt(run, t) {
 
 const ended = (run) => state.t / factor(run, "l/V") > run.end * (1 + 1e-6);
 const shownField = () => element("field").value;
-// Where a value stands between none and the most, 0 to 1: small ones are told apart, too.
-const saturation = (size, most) => Math.min(1, Math.asinh(20 * Math.abs(size) / most) / Math.asinh(20));
-
-function mixed(stops, part) {
-  const k = Math.min(Math.floor(part * (stops.length - 1)), stops.length - 2), w = part * (stops.length - 1) - k;
-  return stops[k].map((c, i) => (c * (1 - w) + stops[k + 1][i] * w) / 255);
-}
-
-function shade(value, field) {
-  const part = saturation(value, field.most);
-  return field.signed ? mixed([ENDS[1], ENDS[value < 0 ? 0 : 2]], part) : mixed(RISING, part);
-}
+const shade = (value, { most, signed: sign }) => (sign ? signed(SIGNED, value, most) : mixed(RISING, saturation(value, most))).map((c) => c / 255);
 
 const parsed = (colour) => [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16) / 255);
 
@@ -312,14 +300,13 @@ class Lines {
       ctx.lineCap = opacity < 1 ? "butt" : "round";
       ctx.strokeStyle = colour;
       ctx.lineWidth = thick === "arrow" ? 1.3 * devicePixelRatio : Math.max(devicePixelRatio, scale * thick / depth);
-      ctx.beginPath();
-      ctx.moveTo(...p);
-      ctx.lineTo(...q);
-      if (thick === "arrow") {
-        const [dx, dy] = [q[0] - p[0], q[1] - p[1]], head = Math.min(0.35, 7 * devicePixelRatio / (Math.hypot(dx, dy) || 1));
-        ctx.lineTo(q[0] - head * (dx - 0.5 * dy), q[1] - head * (dy + 0.5 * dx));
-        ctx.moveTo(...q);
-        ctx.lineTo(q[0] - head * (dx + 0.5 * dy), q[1] - head * (dy - 0.5 * dx));
+      const [dx, dy] = [q[0] - p[0], q[1] - p[1]], head = thick === "arrow" ? Math.min(0.35, 7 * devicePixelRatio / (Math.hypot(dx, dy) || 1)) : 0;
+      if (head) {
+        arrowPath(ctx, ...p, dx, dy, head);
+      } else {
+        ctx.beginPath();
+        ctx.moveTo(...p);
+        ctx.lineTo(...q);
       }
       ctx.stroke();
     }
@@ -565,14 +552,13 @@ function makeBar() {
   element("ramp").hidden = element("bar-label").hidden = !field;
   if (field) {
     const unit = factor(data.runs[0], field.unit), most = field.most * unit;
-    const rgb = (stops) => stops.map((c) => `rgb(${c})`).join();
     const place = (v) => (field.signed ? 50 + 50 * Math.sign(v) * saturation(v / unit, field.most)
       : 100 * saturation(v / unit, field.most));
     const inner = [];
     for (let power = Math.floor(Math.log10(most)); power > Math.log10(most) - 2; power--)
       if (Math.abs(place(10 ** power) - (inner.length ? place(inner.at(-1)) : 100)) > 14) inner.push(10 ** power);
     const values = [most, ...inner.filter((v) => place(v) > (field.signed ? 60 : 14) && place(v) < 88)];
-    element("ramp").style.background = `linear-gradient(to right, ${rgb(field.signed ? ENDS : RISING)})`;
+    element("ramp").style.background = `linear-gradient(to right, ${(field.signed ? SIGNED : RISING).map(rgb)})`;
     ticks.replaceChildren(...[...(field.signed ? values.map((v) => -v) : []), 0, ...values].map((v) => {
       const label = document.createElement("span");
       label.style.left = `${place(v)}%`;
