@@ -34,7 +34,7 @@ def dashed(sentence):
     return "-".join(re.findall(r"[a-z0-9]+", sentence.lower()))
 
 
-def lines_of(file, text):
+def lines_of(text):
     """(what holds, {key: value}) of each line `test: ...` of a file."""
     for line in re.findall(r"(?m)^(?:#| \*|/\*|  )? *test: *(.*?)(?: *\*/)?$", text):
         what, *more = (part.strip() for part in line.split("|"))
@@ -48,7 +48,7 @@ def numbers(said):
 def of_c(file):
     text = file.read_text()
     stem = f"{file.parent.name}-{file.stem.removeprefix('test_')}"
-    for what, more in lines_of(file, text.partition("*/")[0] + "*/"):
+    for what, more in lines_of(text.partition("*/")[0] + "*/"):
         ranks = numbers(more.get("ranks", "1"))
         if "apart" in more:
             for case, fewer in re.findall(r"cmocka_unit_test\(Test(\w+)\)[,};]*(?: */\* ranks ([\d ]+) \*/)?", text):
@@ -80,7 +80,7 @@ def of_python(file):
     label = LABELS[file.relative_to(TESTS).parts[0]]
     yield from of_checks(file, ast.parse(text), label)
     stem = file.stem.removesuffix("_test").removeprefix("test_").replace("_", "-")
-    for what, more in lines_of(file, text):
+    for what, more in lines_of(text):
         name = "-".join(filter(None, (stem, dashed(what))))
         yield Test(name, label, int(more.get("ranks", 1)), file, more.get("with", "").split())
 
@@ -115,13 +115,22 @@ def cases_of(file, text):
     for scope in [tree, *(node for node in tree.body if isinstance(node, ast.ClassDef))]:
         yield from said_twice([node.name for node in scope.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))],
                               f"{where}: two of one name")
-    words = [set(more.get("with", "").split()) for _, more in lines_of(file, text)]
+    words = [set(more.get("with", "").split()) for _, more in lines_of(text)]
     if len(words) > 1 and all(words):
         parents = {name.id for node in tree.body if isinstance(node, ast.ClassDef) for name in node.bases if isinstance(name, ast.Name)}
         has = {node.name for node in tree.body if isinstance(node, ast.ClassDef) and node.name not in parents
                and any(getattr(item, "name", "").startswith("test") for item in node.body)}
         yield from (f"{where}: a class that no line names: {name}" for name in sorted(has - set.union(*words)))
         yield from said_twice([name for some in words for name in some], f"{where}: a class in two lines")
+
+
+def unused():
+    """Functions of Python that are no test and that nothing names: a check that has lost its mark, or what is left of one."""
+    texts = {file: file.read_text() for file in sorted(TESTS.rglob("*.py"))}
+    words = collections.Counter(word for text in texts.values() for word in re.findall(r"\w+", text))
+    for file, text in texts.items():
+        yield from (f"{file.relative_to(TESTS)}: neither a test nor used: {node.name}" for node in ast.parse(text).body
+                    if isinstance(node, ast.FunctionDef) and not node.decorator_list and words[node.name] == 1)
 
 
 def faults(build):
@@ -133,6 +142,7 @@ def faults(build):
         if file not in known and file.stem not in by_hand:
             yield f"{file.relative_to(TESTS)}: nothing in it is a test (a line `test: what holds`, or @check; what others use is in support/)"
         yield from cases_of(file, text)
+    yield from unused()
     listed = subprocess.run(["ctest", "--test-dir", build, "-N"], capture_output=True, text=True, check=True).stdout
     ran = set(re.findall(r"Test +#\d+: (\S+)", listed))
     yield from (f"not among those that ctest runs: {test.name} (build again)" for test in found

@@ -19,6 +19,7 @@ static PetscErrorCode At(void *of, PetscReal t, PetscReal *f) {
   if (look->kind == 1) *f = t * t * t * t * t - 0.5;
   if (look->kind == 2) *f = PetscExpReal(20 * t) - PetscExpReal(10);
   if (look->kind == 3) *f = t < 0.2 ? PETSC_MIN_REAL : PetscLogReal(t / 0.4);
+  if (look->kind == 4) *f = PetscPowReal(0.5, 15) - PetscPowReal(1 - t, 15);
   PetscFunctionReturn(0);
 }
 
@@ -42,6 +43,17 @@ static void TestFind(void **state) {
     }
 }
 
+/* Flat towards the far end, where places follow each other closely that are no root. */
+static void TestFlat(void **state) {
+  Look look = {.kind = 4};
+  PetscReal fa, fb, root;
+
+  CHECK(At(&look, 0, &fa));
+  CHECK(At(&look, 1, &fb));
+  CHECK(RootFind(At, &look, 0, fa, 1, fb, 1e-3, &root));
+  EXPECT(PetscAbsReal(root / 0.5 - 1) < 2e-3, "root %g after %d looks", root, look.looks);
+}
+
 /* What is 0 at the end is there. */
 static void TestAtTheEnd(void **state) {
   Look look = {0};
@@ -51,6 +63,6 @@ static void TestAtTheEnd(void **state) {
   EXPECT(root == 0.7 && !look.looks, "%g after %d looks", root, look.looks);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestFind),
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestFind), cmocka_unit_test(TestFlat),
                                           cmocka_unit_test(TestAtTheEnd)};
 MAIN(tests)

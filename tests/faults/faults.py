@@ -19,7 +19,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import PAGE, Held, ended, small_disk
-from scene import DRY, Failure, check, distance, expect, file
+from scene import DRY, Failure, check, distance, expect
 
 import h5py
 import numpy as np

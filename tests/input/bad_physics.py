@@ -10,7 +10,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene import Failure, check, expect, file
+from scene import Failure, check, expect
 
 import h5py
 import numpy as np

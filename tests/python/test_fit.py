@@ -12,7 +12,6 @@ import io
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -24,6 +23,7 @@ from threading import Thread
 from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from chromium import FOUND as BROWSER
 from held import HANG
 from interpreter import ROOT, from_venv
 
@@ -45,7 +45,6 @@ TUBE = dict(growth_type="feed", growth_initial_length="1cm", si_bending_stiffnes
 FRICTION, CURVATURE, END = 0.62, 3.7, 28.0  # hidden; N/m, 1/m, s
 
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 QUIET = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-sync
     --disable-background-networking --disable-component-update --hide-scrollbars""".split()
 # What is done in the page of a film; what its CSV then is is left in the element #seen.

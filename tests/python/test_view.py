@@ -19,6 +19,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from chromium import FOUND as BROWSER
 from held import HANG
 from interpreter import ROOT, from_venv
 
@@ -35,7 +36,6 @@ except ImportError as error:
     from_venv(error)
 
 NODE = shutil.which("node")
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 QUIET = """--headless --no-sandbox --disable-quic --no-first-run --disable-sync
     --disable-background-networking --disable-component-update --hide-scrollbars""".split()
 DRAWN = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # WebGL without a graphics card

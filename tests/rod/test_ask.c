@@ -47,5 +47,47 @@ static void TestTogether(void **state) {
   for (int k = 0; k < 2; k++) CHECK(SceneDestroy(&scene[k]));
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestTogether)};
+/* What is the most, the least and the next of several; what is done to one is done to all. */
+static void TestAll(void **state) {
+  FrictionNewton slope[2] = {NEWTON_PRIMAL_DUAL, NEWTON_PRIMAL_DUAL};
+  char path[64], more[256];
+  Scene scene[2];
+  Rod rod[2];
+  struct _Rod both;
+
+  (void)state;
+  WriteWalls(path, "t,speed\n0,1\n0.5,0\n1,1\n");
+  Create("-growth_type feed -growth_initial_length 1 -contact_self true -contact_diameter 0.02 "
+         "-contact_stiffness 10",
+         &scene[0], &rod[0]);
+  (void)snprintf(more, sizeof(more),
+                 "-growth_type feed -growth_initial_length 3 -growth_path %s -contact_self true "
+                 "-contact_diameter 0.01",
+                 path);
+  Create(more, &scene[1], &rod[1]);
+  both = *rod[0];
+  both.rods = 2;
+  both.each = rod;
+  EXPECT(RodLongest(&both) == scene[1]->reach && scene[0]->reach < scene[1]->reach, "reach");
+  CHECK(RodContactAt(&both, 0.25));
+  EXPECT(RodLayer(&both) == scene[1]->contact.tip && RodLayer(rod[0]) > RodLayer(&both), "layer");
+  EXPECT(RodNextTurn(rod[0], 0) == PETSC_MAX_REAL && RodNextTurn(&both, 0) == 0.5, "next turn");
+  scene[0]->load.friction.newton = scene[1]->load.friction.newton = NEWTON_PRIMAL;
+  RodSwapSlopes(&both, slope);
+  EXPECT(slope[0] == NEWTON_PRIMAL, "not the slope that it had");
+  RodMakeSlippery(&both, PETSC_TRUE);
+  RodStaysFirm(&both); /* the first has a stiffness that is given */
+  EXPECT(!scene[0]->contact.firm && scene[1]->contact.firm, "firm");
+  for (int k = 0; k < 2; k++) {
+    EXPECT(scene[k]->contact.time == 0.25, "rod %d: contact at %g", k, scene[k]->contact.time);
+    EXPECT(scene[k]->load.friction.newton == NEWTON_PRIMAL_DUAL, "slope of rod %d", k);
+    EXPECT(scene[k]->contact.slippery, "rod %d: friction", k);
+  }
+  for (int k = 0; k < 2; k++) CHECK(RodDestroy(&rod[k]));
+  for (int k = 0; k < 2; k++) CHECK(SceneDestroy(&scene[k]));
+  RemoveFile(path);
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestTogether),
+                                          cmocka_unit_test(TestAll)};
 MAIN(tests)

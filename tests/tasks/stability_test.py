@@ -8,7 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from scene import Run, check, expect, file
+from scene import Run, check, expect
 
 import h5py
 import numpy as np

@@ -13,7 +13,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from held import HANG
-from scene import Run, broken, check, distance, expect, file, pressed, read, tendril, walls
+from scene import Run, broken, check, expect, file, pressed, read, tendril, walls
 
 import h5py
 import numpy as np

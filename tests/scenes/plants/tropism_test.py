@@ -118,6 +118,19 @@ def a_rod_at_rest_ends_in_the_direction_by_its_balance():
 
 
 @check
+def a_far_lamp_pulls_as_gravity_and_a_near_one_is_pointed_at():
+    """Its strength is the same at any distance; at rest a tip that senses points at where the lamp is from there."""
+    root = "-growth_type uniform -friction_mu 0.5 " + STRAIGHT + "-tropism_proprioception 1 -ts_max_time 1 -rod_cells 40 "
+    for model in ("frame", "space"):
+        a, b = (Run(f"{root}-rod_model {model} {law}") for law in ("-tropism_gravity 2 -tropism_direction 0.6,0.8",
+                                                                   "-tropism_light 2 -tropism_source 6e7,8e7"))
+        near(f"{model}, far", b.tip_angle[-1], a.tip_angle[-1], 1e-6)
+        r = Run(f"{stiff()}{STRAIGHT}-growth_type none -tropism_rate 1 -tropism_light 3 -tropism_source 0.9,1.3 -tropism_sensed tip "
+                f"-ts_max_time 20 -rod_cells 30 -rod_model {model}")
+        near(f"{model}, near", r.tip_angle[-1], np.arctan2(1.3 - r.tip_x2[-1], 0.9 - r.tip_x1[-1]), 1e-6)
+
+
+@check
 def what_is_fed_in_is_straight_and_bends_from_then_on():
     """A constant drive: k = r n (time since it is in), int k dp = r n (t^2/2 + L0 t), however it is bent. A front with a corner
     in k, between what was there at first and what has come in, is resolved to the order 2."""
@@ -197,10 +210,15 @@ def orders_in_space_and_in_time_are_those_of_the_formulas():
     def tip(options):
         r = Run(f"-growth_type uniform -friction_mu 0.5 {STRAIGHT}-tropism_gravity 3 -tropism_direction 0,-1 "
                 f"-tropism_proprioception 1 -growth_ironing 2 -ts_max_time 0.5 {options}")
-        return np.array([r.tip_x1[-1], r.tip_x2[-1]])
+        return r.tip, r.steps
 
-    cells = [tip(f"-rod_cells {n} -rod_grading uniform -ts_rtol 1e-9") for n in (6, 12, 24, 96)]
+    cells = [tip(f"-rod_cells {n} -rod_grading uniform -ts_rtol 1e-9")[0] for n in (6, 12, 24, 96)]
     near("in space", order([np.linalg.norm(x - cells[-1]) for x in cells[:-1]]), 4, 0.3)
+    fine = tip("-rod_cells 20 -ts_rtol 1e-10")[0]
+    for formula, tolerances in {2: (1e-4, 1e-6), 4: (1e-5, 1e-7)}.items():
+        ends, steps = zip(*(tip(f"-rod_cells 20 -ts_bdf_order {formula} -ts_rtol {rtol}") for rtol in tolerances))
+        off = [np.linalg.norm(x - fine) for x in ends]
+        near(f"order {formula} in time", log(off[0] / off[1]) / log(steps[1] / steps[0]), formula, 0.5)
 
 
 @check

@@ -12,7 +12,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "scripts"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from scene import Run, check, expect, file, walls
+from scene import Run, check, expect, walls
 
 import h5py
 import numpy as np

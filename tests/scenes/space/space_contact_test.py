@@ -11,7 +11,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from scene import Run, broken, check, expect, file, pressed, read, tendril, tip_in_space as tip, walls
+from scene import Run, broken, check, expect, pressed, read, tendril, tip_in_space as tip, walls
 
 import h5py
 import numpy as np
