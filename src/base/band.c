@@ -34,13 +34,6 @@ PetscErrorCode BandDestroy(Band *band) {
   PetscFunctionReturn(0);
 }
 
-/* BandZero - all entries 0, for a new matrix of the same shape. */
-PetscErrorCode BandZero(Band *band) {
-  PetscFunctionBegin;
-  PetscCall(PetscArrayzero(band->a, band->n * (2 * band->lower + band->upper + 1)));
-  PetscFunctionReturn(0);
-}
-
 /* LU with row exchanges, in place; zero: the first row whose pivot is 0, from 1, or 0. */
 static void Factor(Band *band, int *zero) {
   int n = (int)band->n, kl = (int)band->lower, ku = (int)band->upper, ld = 2 * kl + ku + 1;

@@ -12,7 +12,6 @@ typedef struct {
 
 PetscErrorCode BandCreate(PetscInt n, PetscInt lower, PetscInt upper, Band *band);
 PetscErrorCode BandDestroy(Band *band);
-PetscErrorCode BandZero(Band *band);
 PetscErrorCode BandFactor(Band *band);
 PetscErrorCode BandFactorShifted(Band *band);
 PetscErrorCode BandSolve(const Band *band, PetscBool transpose, PetscInt columns, PetscReal b[]);

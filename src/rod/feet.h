@@ -90,7 +90,6 @@ typedef PetscReal FootLoad[FOOT_ROWS][FOOT_LOAD];
 typedef PetscReal FootSlope[FOOT_ROWS][FOOT_LOAD][FOOT_UNKNOWNS];
 
 /* feet_find.c */
-Block FootCellBlock(const FootCell *cell);
 PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot);
 void FeetFind(const Contact *contact, const FootCell *cell, PetscReal within, Feet *feet);
 

@@ -132,8 +132,8 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   return reach;
 }
 
-/* FootCellBlock - what holds a cell's curve in the plane: the four points of its Bezier polygon. */
-Block FootCellBlock(const FootCell *cell) {
+/* What holds a cell's curve in the plane: the four points of its Bezier polygon. */
+static Block CellBlock(const FootCell *cell) {
   Block block = BlockEmpty(2);
   PetscReal b[4][2];
 
@@ -277,7 +277,7 @@ void FeetFind(const Contact *contact, const FootCell *cell, PetscReal within, Fe
   feet->n = 0;
   if (!contact->thin) return;
   if (cell->dims == 2) {
-    const Block block = FootCellBlock(cell);
+    const Block block = CellBlock(cell);
     BlocksNear(contact->walls.near_posts, &block, reach, MeetPost, &look);
   } else {
     PetscReal b[4][3];

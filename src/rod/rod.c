@@ -5,8 +5,8 @@
 #include "rod/rules.h"
 #include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
-/* RodModelFor - a model as it is of a scene: that whose material learns what it has to. */
-const RodModel *RodModelFor(Scene scene, const RodModel *model) {
+/* A model as it is of a scene: that whose material learns what it has to. */
+static const RodModel *ModelFor(Scene scene, const RodModel *model) {
   const Tropism *law = &scene->tropism;
   const PetscBool remembers = (PetscBool)(law->memory > 0 && !law->at_tip);
 
@@ -27,7 +27,7 @@ PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod) {
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   *rod = self; /* whole or not, the caller destroys it */
-  self->model = model = RodModelFor(scene, model);
+  self->model = model = ModelFor(scene, model);
   self->scene = scene;
   self->comm = scene->comm;
   self->s = scene->mesh.s;

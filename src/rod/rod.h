@@ -177,7 +177,6 @@ extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_sp
 extern const RodModel rod_frame_learns, rod_frame_remembers, rod_space_learns, rod_space_remembers;
 extern const OptionGroup frame_options;
 
-const RodModel *RodModelFor(Scene scene, const RodModel *model);
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
 PetscErrorCode RodDestroy(Rod *rod);
 PetscErrorCode RodCreateMatrix(Rod rod, Mat *J);
@@ -191,7 +190,6 @@ PetscErrorCode RodFindUnits(Rod rod);
 PetscReal RodFieldUnit(const Rod rod, PetscInt field);
 PetscBool RodIsPlace(const RodModel *model, PetscInt field);
 PetscReal RodReach(const RodModel *model, const PetscReal size[]);
-PetscErrorCode RodFit(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodBegin(Rod rod, Vec U);
 PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes);
 void RodPlanePart(Node *node);

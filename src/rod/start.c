@@ -1,7 +1,7 @@
 #include "rod/learned.h"
 
 /*
-  RodFit - moves the places of a state into line with its angles and moments on the mesh that it is
+  Moves the places of a state into line with its angles and moments on the mesh that it is
   on. Collective; no effect on models without equations for that alone.
 
   What the shape itself says of a place is not what the cells make of its angles, by their error.
@@ -9,7 +9,7 @@
   step, against which friction presses the rod together, and it gives way. In steps that become
   shorter that does not become less. (Moments and forces may be off: nothing holds them back.)
 */
-PetscErrorCode RodFit(Rod rod, PetscReal t, Vec U) {
+static PetscErrorCode Fit(Rod rod, PetscReal t, Vec U) {
   const PetscInt fields = rod->model->fields, places = rod->model->space ? 3 : 2,
                  n = rod->end - rod->first;
   RodState at = {.t = t, .U = U};
@@ -50,6 +50,6 @@ PetscErrorCode RodBegin(Rod rod, Vec U) {
   PetscCall(rod->model->set(rod, 0, nodes, U));
   PetscCall(PetscFree(nodes));
   if (rod->learned) PetscCall(LearnedBegin(rod, U));
-  if (rod->scene->tip.type == TIP_FREE) PetscCall(RodFit(rod, 0, U));
+  if (rod->scene->tip.type == TIP_FREE) PetscCall(Fit(rod, 0, U));
   PetscFunctionReturn(0);
 }
