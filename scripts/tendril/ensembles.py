@@ -1,7 +1,7 @@
 """Draws the distributions over an ensemble: length at the first self-contact (of the centre line),
 width and number of loops at the end, and the members' shapes.
 
-    python -m tendril ensemble results/ensemble --output results/ensemble
+    tendril-py ensemble results/ensemble --output results/ensemble
 
 Reads the files of scripts/sweep.sh in a directory, or the one file of tendril -task sweep with
 -sweep_store series,shapes.
@@ -132,7 +132,7 @@ def ensemble(place) -> Ensemble:
 
 
 def main(arguments=None):
-    parser = Parser("python -m tendril ensemble", __doc__)
+    parser = Parser("tendril-py ensemble", __doc__)
     parser.add_argument("place", help="directory, or file of a sweep")
     parser.add_argument("--output", metavar="BASENAME", required=True)
     matplotlib.use("Agg")

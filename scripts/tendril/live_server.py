@@ -19,6 +19,7 @@ import shutil
 import signal
 import tempfile
 import threading
+import time
 import webbrowser
 from http import HTTPStatus
 from pathlib import Path
@@ -27,9 +28,9 @@ from urllib.parse import parse_qs, urlsplit
 from .command import Parser
 from .errors import TendrilError
 from .outbox import Outbox
-from .playing import prepare
+from .playing import prepare, save_scene
 from .sessions import Session
-from .starting_page import first_scene, gallery, picture_file
+from .starting_page import begin, first_scene, gallery, picture_file
 
 WEB = Path(__file__).resolve().parent / "web"
 LARGEST = 400_000  # bytes of a message: a wall file that is dropped on the page
@@ -183,8 +184,6 @@ class Server:
 
     async def beat(self):
         """Says that a step is still under way, where it takes long."""
-        import time
-
         while True:
             await asyncio.sleep(0.5)
             session = self.session
@@ -219,8 +218,6 @@ class Server:
                 session.save("result")
                 kept = session.written.get(f"{session.played.name}-played.h5")
                 if changes := session.table():
-                    from .playing import save_scene
-
                     save_scene(session.played, changes, session.results, f"{session.played.name}-played", "as it was left")
         with contextlib.suppress(OSError):
             self.directory.cleanup()
@@ -277,8 +274,6 @@ class OnePage:
             self.server.session.do(command)
 
     async def begin(self, command):
-        from .starting_page import begin
-
         try:
             answer = await asyncio.get_running_loop().run_in_executor(None, begin, self.server, command)
             if answer:

@@ -1,8 +1,8 @@
 """Draws files of -task stability and -task critical, as PNG and PDF: the eigenvalues over t (with
 |x2| of a run below them), the critical mode, the perturbation that grows most.
 
-    python -m tendril stability results/stability-dry.h5 --run results/uniform-dry.h5
-    python -m tendril stability results/critical.h5
+    tendril-py stability results/stability-dry.h5 --run results/uniform-dry.h5
+    tendril-py stability results/critical.h5
 
 Symbols are those of the README; all is dimensionless."""
 
@@ -160,7 +160,7 @@ def figure_of(results, runs=(), ax=None):
 
 
 def main(arguments=None):
-    parser = Parser("python -m tendril stability", __doc__)
+    parser = Parser("tendril-py stability", __doc__)
     parser.add_argument("files", nargs="+", metavar="FILE", help="result files, HDF5")
     parser.add_argument("--run", action="append", default=[], metavar="FILE",
                         help="a run in time to draw below a table; once a table, or once for all")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from .command import Parser
+from .command import NEGATIVE, Parser
 from .errors import TendrilError
 from .runs import critical, run
 
@@ -29,10 +29,10 @@ def split(words):
     own, options, k = [], {}, 0
     while k < len(words):
         word = words[k]
-        if word.startswith("-") and not word.startswith("--") and len(word) > 2 and not word[1].isdigit() and word != "-h":
-            value = words[k + 1] if k + 1 < len(words) and (not words[k + 1].startswith("-") or words[k + 1][1:2].isdigit() or words[k + 1][1:2] == ".") else None
-            options[word.lstrip("-")] = "true" if value is None else value
-            k += 1 if value is None else 2
+        if word.startswith("-") and not word.startswith("--") and len(word) > 2 and not NEGATIVE.match(word):
+            flag = k + 1 == len(words) or words[k + 1].startswith("-") and not NEGATIVE.match(words[k + 1])
+            options[word.lstrip("-")] = "true" if flag else words[k + 1]
+            k += 1 if flag else 2
         else:
             own.append(word)
             k += 1

@@ -81,13 +81,11 @@ class Session:
         self.branch = Branch(0)
         self.branches.append(self.branch)
         self.controls = controls(played, self.space)
-        self.values = {c["name"]: c["value"] for c in self.controls}
-        self.shifts = {wall.line: [0.0, 0.0, 0.0] for wall in played.walls}
-        self.hand = [0.0, 0.0, 0.0]
-        self.computing, self.busy_since, self.keeping = 0.0, None, 0.0
+        self.replay_values([])
+        self.computing, self.busy_since, self.keeping, self.kept_at = 0.0, None, 0.0, 0.0
         self.rates = deque(maxlen=400)  # (when, iterations)
         self.before = None  # nodes of the step before
-        self.looked, self.unseen, self.slowest, self.counted = 0.0, False, 0.0, 0
+        self.looked, self.unseen, self.slowest = 0.0, False, 0.0
         self.lock = threading.RLock()
         self.look()
         self.thread = threading.Thread(target=self.loop, name="tendril live", daemon=True)
@@ -342,7 +340,7 @@ class Session:
 
     def keep(self):
         """A state to go back to, where that costs next to nothing beside the steps since the last."""
-        if self.keeping > KEEP_AT_MOST * self.computing or self.computing - getattr(self, "kept_at", 0.0) < 1.0:
+        if self.keeping > KEEP_AT_MOST * self.computing or self.computing - self.kept_at < 1.0:
             return
         begin = time.monotonic()
         file = self.directory / f"state-{self.branch.number}-{len(self.branch.kept)}.h5"
@@ -407,7 +405,8 @@ class Session:
         for _, what, value in changes:
             words = value.split()
             if what in ("wall_to", "wall_at"):
-                self.shifts[int(words[0])] = [float(x) for x in words[2 if what == "wall_to" else 1:]] + [0.0] * (5 - len(words) if what == "wall_to" else 4 - len(words))
+                shift = [float(x) for x in words[2 if what == "wall_to" else 1:]]
+                self.shifts[int(words[0])] = (shift + [0.0] * 3)[:3]
             elif what == "tip_force_vector":
                 self.hand = ([float(x) for x in value.split(",")] + [0.0])[:3]
             elif what == "wall_friction":

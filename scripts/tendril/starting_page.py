@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from .errors import RunError, TendrilError
-from .runs import CHECKOUT, rows_of
+from .playing import NUMBER, prepare
+from .runs import CHECKOUT
 
 # what a run by steps cannot do, or takes too long for a first look
 LEFT_OUT = re.compile(r"critical|stability|paper|injected")
@@ -74,9 +75,8 @@ def gallery() -> list[dict]:
             if not line.startswith("#"):
                 break
             words.append(line.lstrip("# "))
-        text = re.split(r"(?<=[.:;])\s", " ".join(words))[0].rstrip(":;")
-        found.append({"name": name, "text": text, "picture": picture_file(f"{name}.png") is not None,
-                      "space": any(row[0] == "-rod_model" and row[1:2] == ["space"] for row in rows_of(file))})
+        text = re.split(r"(?<=[.:;])\s(?![^(]*\))", " ".join(words))[0].rstrip(":;")
+        found.append({"name": name, "text": text, "picture": picture_file(f"{name}.png") is not None})
     return found
 
 
@@ -98,7 +98,7 @@ def options_of(form, directory) -> dict:
             continue
         if not text or text == "0" and name in ("rod_weight", "clamp_angle", "rod_curvature"):
             continue
-        if not re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(\s*[A-Za-z/^0-9]+)?", text):
+        if not re.fullmatch(rf"{NUMBER.pattern}(\s*[A-Za-z/^0-9]+)?", text):
             raise FieldError(f"{label}: {text!r} is no number; write one, with a point, and with a unit if it is not {unit or 'alone'}", name)
         has_unit = re.search(r"[A-DF-Za-df-z]", text)
         plain = {"N m²": "Nm^2"}.get(unit, unit)
@@ -108,7 +108,7 @@ def options_of(form, directory) -> dict:
     if any(line.partition("#")[0].split() for line in walls.splitlines()):
         for k, line in enumerate(walls.splitlines(), 1):
             for word in line.partition("#")[0].replace(",", " ").split():
-                if word not in WORDS and not re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?([a-zA-Zµ°]+([/^]-?\w+)*)?", word):
+                if word not in WORDS and not re.fullmatch(rf"{NUMBER.pattern}([a-zA-Zµ°]+([/^]-?\w+)*)?", word):
                     raise FieldError(f"walls, line {k}: {word[:40]!r} is neither a number nor a word of a wall; walls that lie in files of "
                                      "their own are for the command line: -wall_file, and tendril-py live SCENE", "walls")
         file = Path(directory) / "walls.txt"
@@ -131,16 +131,14 @@ def field_of(text):
 
 def drawing(options) -> dict:
     """What a scene looks like before it runs: the rod, the clamp, the walls, in metres."""
-    from .playing import prepare
-    from .sessions import Session
+    from .sessions import Session, drawn_walls
 
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
         played = prepare(None, options, directory, move=False)
         session = Session(played, directory)
         sim, r = session.sim, session.setup
         length = r.scale("length") if "si_length" in r.attributes else 1.0
-        scene = session.scene()
-        return {"kind": "drawn", "x": np.ravel(np.round(sim.nodes["x"][:, :2], 8)).tolist(), "walls": scene["walls"], "diameter": scene["diameter"],
+        return {"kind": "drawn", "x": np.ravel(np.round(sim.nodes["x"][:, :2], 8)).tolist(), "walls": drawn_walls(session), "diameter": float(r.diameter),
                 "length": length, "end": float(r.attributes.get("parameters/ts_max_time", 0)), "cells": len(sim.s) - 1,
                 "told": told(r)}
 

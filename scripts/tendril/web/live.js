@@ -486,6 +486,7 @@ function mount(root, connection) {
       axes: [{ size: 30 }, { ...valueAxis(chart.log), label: names, labelSize: names ? 16 : 0 }], legend: { show: chart.series.length > 1 || S.ghost },
       cursor: { drag: { x: false, y: false } }, padding: [8, 8, 0, 0] }, data(chart), one.place);
     one.plot.over.addEventListener("click", () => { const t = one.plot.posToVal(one.plot.cursor.left, "x") / unit("l/V"); look(Math.max(0, Math.min(S.t, t))); });
+    one.plot.root.querySelectorAll(".u-legend .u-series").forEach((row, i) => { if (i > 1 && i <= ghosts.length) row.style.display = "none"; });  // one is told
     one.looks = looks();
   }
 
