@@ -106,8 +106,10 @@ def run_of(r, title, colour, shapes, units):
         "shapes": {name: packed(values) for name, values in shapes.items() if name != "along"},
         "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
                    if name not in ("t", "fair", "along")},
-        "walls": [{part: [np.ravel(line).tolist() for line in lines]
-                   for part, lines in zip(("body", "lines"), wall)} for wall in ([] if r.in_space else outlines(r))],
+        "walls": [] if r.in_space else [
+            {part: [np.ravel(line).tolist() for line in lines] for part, lines in zip(("body", "lines"), drawn)}
+            | {"motion": {what: numbers.tolist() for what, numbers in wall.motion.items()} or None}
+            for wall, drawn in zip(parse(r.attributes.get("walls")), outlines(r))],
         "diameter": r.diameter,
     }
 
