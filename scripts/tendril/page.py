@@ -29,7 +29,7 @@ from .style import COLOURS
 from .surroundings import axial_force, friction, pressed, size_of
 from .titles import titles_of
 from .units import add_choice_of_units, in_laboratory, in_laboratory_of, laboratory_units
-from .walls import outlines
+from .walls import outlines, parse
 
 WEB = Path(__file__).resolve().parent / "web"
 MOST_SHAPES, MOST_NODES, ARROWS = 300, 501, 28  # what a page holds of a run
