@@ -232,7 +232,8 @@ def certain(problem: Problem, best: Solution, tell):
     half = known.reach * np.sqrt(np.diag(known.covariance))
     part = np.ones(len(half))
     for k, (low, high) in ends.items():
-        part[k] = min(1.0, 0.5 * (high - low) / half[k])
+        if 0 < low and high < 1:  # else nothing shows how far it would go on
+            part[k] = min(1.0, 0.5 * (high - low) / half[k])
     return best, Certainty(known.covariance * np.outer(part, part), known.reach, ends)
 
 
