@@ -36,7 +36,7 @@ from .noise import Certainty, certainty
 from .parameters import Parameter, Prior
 from .problem import Problem, Solution
 from .profiles import followed_out
-from .starting import starting_points
+from .starting import exchanged, starting_points
 from .units import PIXEL
 
 SEARCH, COARSEST = 30, 0.1  # the search for a start is made with so many times the error of the final runs, and no more
@@ -209,6 +209,9 @@ def search(problem: Problem, starts, accuracy, seed, tell):
         if agreed or starts == 0:
             break
         points = starting_points(problem, max(starts, 1) * 2 ** (doubling + 1), seed + doubling + 1)[1:]
+    if (other := exchanged(problem, ends[0].u)) is not None:
+        problem.run([other])
+        ends = sorted(ends + followed(problem, [other]), key=lambda s: s.cost)
     if all(s.flat for s in ends):
         raise TendrilError(f"fit: {', '.join(p.name for p in problem.parameters)}: changes nothing of what was measured; a rod "
                            "that is straight by nature stays straight: look for rod_curvature, too, or give it")

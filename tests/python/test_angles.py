@@ -11,6 +11,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from interpreter import ROOT, from_venv
@@ -21,7 +22,7 @@ try:
     import numpy as np
 
     import tendril
-    from tendril import fit_command, measured, noise, problem, profiles
+    from tendril import fit_command, measured, noise, problem, profiles, starting
     from tendril.parameters import Parameter
 except ImportError as error:
     from_venv(error)
@@ -173,6 +174,20 @@ class Evenly(unittest.TestCase):
             known = noise.certainty(errors, e + off, jacobian, prior)
             held += abs(off) < known.reach[0] * np.sqrt(known.covariance[0, 0])
         self.assertGreaterEqual(held, 17)  # independent errors alone would make it a tenth as wide
+
+
+class Exchanged(unittest.TestCase):
+    def test_two_delays(self):
+        """Memory and straightening change places, in the bounds' units; twice is once."""
+        names = {"tropism_gravity": ("1/mm", "50/mm"), "tropism_proprioception": (0.1, 50), "tropism_memory": ("0.1h", "20h"), "friction_mu": (0, 1)}
+        parameters = [Parameter.of(name, bounds) for name, bounds in names.items()]
+        about = {"parameters/growth_type": "apical", "parameters/growth_zone": 0.6, "si_time": 36000.0}
+        p = mock.Mock(parameters=parameters, rod=lambda u: about)
+        u = np.array([q.inside(value) for q, value in zip(parameters, (4, 5, 2, 0.3))])
+        other = starting.exchanged(p, u)  # G = 0.6/0.2, T = 0.6/5 of 10 h
+        np.testing.assert_allclose([float(q.value(x)) for q, x in zip(parameters, other)], [2.4, 3, 1.2, 0.3])
+        np.testing.assert_allclose(starting.exchanged(p, other), u)
+        self.assertIsNone(starting.exchanged(mock.Mock(parameters=parameters[:2], rod=lambda u: about), u[:2]))
 
 
 class Roots(InAPlace):
