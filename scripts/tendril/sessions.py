@@ -3,7 +3,10 @@ it has. It knows nothing of who looks at it: what there is to see goes to a func
 
 from __future__ import annotations
 
+import contextlib
+import os
 import queue
+import shutil
 import threading
 import time
 from array import array
@@ -20,6 +23,7 @@ from .runs import run
 from .simulation import BY_WORDS, Simulation
 
 KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
+KEPT = 60  # of these, of a branch
 UNHURRIED = 20  # seconds that a run takes at first, if it can
 HAPPENINGS = 500  # the latest that are kept
 FRAMES = 240  # of a branch that are kept, to be looked at
@@ -65,9 +69,10 @@ class Session:
     """One run with its branches. Commands come by do(), from any thread; `publish` is called, in the run's own thread, with
     what has become of it."""
 
-    def __init__(self, played: Played, directory, publish=lambda message: None, results="."):
+    def __init__(self, played: Played, directory, publish=lambda message: None, results=".", leaves=False):
         self.played, self.directory, self.publish = played, Path(directory), publish
         self.results = Path(results)
+        self.so_far = self.results / f"{played.name}-so-far.h5" if leaves else None  # what is there after all if it is killed
         self.commands: queue.Queue = queue.Queue()
         self.running, self.closing = False, False
         self.written: dict[str, Path] = {}  # the files that a page may fetch
@@ -83,7 +88,7 @@ class Session:
         self.branches.append(self.branch)
         self.controls = controls(played, self.space)
         self.replay_values([])
-        self.computing, self.busy_since, self.keeping, self.kept_at = 0.0, None, 0.0, 0.0
+        self.computing, self.busy_since, self.keeping, self.kept_at, self.states = 0.0, None, 0.0, time.monotonic(), 0
         self.rates = deque(maxlen=400)  # (when, iterations)
         self.before = None  # nodes of the step before
         self.looked, self.unseen, self.slowest = 0.0, False, 0.0
@@ -122,6 +127,8 @@ class Session:
         self.commands.put({"do": "nothing"})
         if self.thread.is_alive():
             self.thread.join(wait)
+        if self.so_far:
+            self.so_far.unlink(missing_ok=True)
 
     def loop(self):
         began, t0 = time.monotonic(), self.sim.t
@@ -336,15 +343,35 @@ class Session:
 
     def keep(self):
         """A state to go back to, where that costs next to nothing beside the steps since the last."""
-        if self.keeping > KEEP_AT_MOST * self.computing or self.computing - self.kept_at < 1.0:
-            return
         begin = time.monotonic()
-        file = self.directory / f"state-{self.branch.number}-{len(self.branch.kept)}.h5"
+        if self.keeping > KEEP_AT_MOST * self.computing or begin - self.kept_at < 1.0:
+            return
+        self.states += 1
+        file = self.directory / f"state-{self.states}.h5"
         with self.lock:
             self.sim.save(file)
-        self.branch.kept.append((self.sim.t, file))
-        self.keeping += time.monotonic() - begin
-        self.kept_at = self.computing
+        kept = self.branch.kept
+        kept.append((self.sim.t, file))
+        if len(kept) > KEPT:
+            for _, old in kept[1:-1:2]:
+                old.unlink(missing_ok=True)
+            del kept[1:-1:2]
+        if self.so_far:
+            self.leave(file)
+        self.kept_at = time.monotonic()
+        self.keeping += self.kept_at - begin
+
+    def leave(self, file):
+        """A state beside the results, under a name of its own as soon as it is whole."""
+        with contextlib.suppress(OSError):
+            self.results.mkdir(parents=True, exist_ok=True)
+            part = self.so_far.with_suffix(".part.h5")
+            part.unlink(missing_ok=True)
+            try:
+                os.link(file, part)
+            except OSError:
+                shutil.copyfile(file, part)
+            os.replace(part, self.so_far)
 
     def part(self, t, branch, but=None):
         """A branch from a time of another; `but`: with these changes alone."""

@@ -56,7 +56,10 @@ function mount(root, connection) {
   if (home) home.onclick = () => send("home");
 
   connection.lost = (lost, why) => { if (link) link.textContent = lost ? `${why || "the server does not answer"}; trying again` : ""; };
+  let study = null;
   connection.hear = (m) => {
+    if (m.kind === "study") { study = mountStudy(root, m); page = null; return; }
+    if (study && ["member", "tried", "fresh", "stage", "ended"].includes(m.kind)) { study.hear(m); return; }
     const act = { scene: hearScene, whole: hearWhole, frame: hearFrame, state: hearState, happened: hearHappened, done: hearDone, refused: hearRefused,
       busy: (one) => { S.slow = one.seconds; tell(); }, start: showStart, drawn: showDrawn }[m.kind];
     if (act) act(m);
