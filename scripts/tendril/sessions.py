@@ -18,7 +18,7 @@ import numpy as np
 
 from .errors import RunError, TendrilError
 from .outbox import ROWS, thin
-from .playing import NUMBER, Played, controls, may_lead_tip, said_rows, save_scene
+from .playing import NUMBER, Played, controls, may_lead_tip, place_of, said_rows, save_scene, senses
 from .runs import run
 from .simulation import BY_WORDS, Simulation
 
@@ -86,7 +86,13 @@ class Session:
         self.space = self.sim.space
         self.branch = Branch(0)
         self.branches.append(self.branch)
-        self.controls = controls(played, self.space)
+        self.controls = controls(played, self.space) + senses(self.setup)
+        offered = {c["name"] for c in self.controls}
+        self.lamp_at = place_of(self.setup, "tropism_source") if "tropism_light" in offered else None
+        self.pull_at = place_of(self.setup, "tropism_direction") if "tropism_gravity" in offered else None
+        if self.pull_at and not self.space:
+            self.controls.append({"name": "pull_angle", "label": "direction of that pull", "value": float(np.arctan2(*self.pull_at[1::-1])), "low": -3.1416,
+                                  "high": 3.1416, "unit": "rad", "of": "tropism_direction"})
         self.replay_values([])
         self.computing, self.busy_since, self.keeping, self.kept_at, self.states = 0.0, None, 0.0, time.monotonic(), 0
         self.rates = deque(maxlen=400)  # (when, iterations)
@@ -108,7 +114,7 @@ class Session:
         units = laboratory_units([r])
         return {"kind": "scene", "name": self.played.name, "space": self.space, "flat": not self.space, "controls": self.controls,
                 "walls": drawn_walls(self), "diameter": float(r.diameter), "leads": may_lead_tip(self.played),
-                "pulls": self.played.held == "free", "posts": len(self.played.posts), "charts": charts_of([r]),
+                "pulls": self.played.held == "free", "lamp": self.lamp_at is not None, "posts": len(self.played.posts), "charts": charts_of([r]),
                 "labels": {n: plain(name_of(n)) for n in self.names}, "symbols": {n: plain(symbol_of(n)) for n in self.names},
                 "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
                 "units": {unit: name for unit, (name, _) in units.items()},
@@ -198,7 +204,10 @@ class Session:
         if control is None:
             raise TendrilError(f"{name[:60]}: cannot be changed in this run")
         value = number_of(command["value"], control["label"])
-        if control.get("leads"):
+        if name == "pull_angle":
+            self.pull = [float(np.cos(value)), float(np.sin(value)), 0.0]
+            self.change("tropism_direction", f"{self.pull[0]!r},{self.pull[1]!r}")
+        elif control.get("leads"):
             self.change(control["of"], f"{self.soon()!r} {value!r}")
         elif " " in name:
             self.change(control["of"], f"{name.split()[1]} {value!r}")
@@ -225,6 +234,14 @@ class Session:
             raise TendrilError("the tip of this run cannot be led")
         place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
         self.change("tip_to", " ".join([repr(self.soon()), *map(repr, place)]))
+
+    def do_lamp(self, command):
+        """The lamp to a place."""
+        if self.lamp_at is None:
+            raise TendrilError("there is no lamp in this run")
+        place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
+        self.change("tropism_source", ",".join(map(repr, place)))
+        self.lamp = [*place, 0.0][:3]
 
     def do_wall(self, command):
         """A wall to a displacement; at once: it is put there."""
@@ -425,6 +442,7 @@ class Session:
         self.values = {c["name"]: c["value"] for c in self.controls}
         self.shifts = {wall.line: [0.0, 0.0, 0.0] for wall in self.played.walls}
         self.hand = [0.0, 0.0, 0.0]
+        self.lamp, self.pull = self.lamp_at, self.pull_at
         for _, what, value in changes:
             words = value.split()
             if what in ("wall_to", "wall_at"):
@@ -432,6 +450,11 @@ class Session:
                 self.shifts[int(words[0])] = (shift + [0.0] * 3)[:3]
             elif what == "tip_force_vector":
                 self.hand = ([float(x) for x in value.split(",")] + [0.0])[:3]
+            elif what == "tropism_source":
+                self.lamp = ([float(x) for x in value.split(",")] + [0.0])[:3]
+            elif what == "tropism_direction":
+                self.pull = ([float(x) for x in value.split(",")] + [0.0])[:3]
+                self.values["pull_angle"] = float(np.arctan2(*self.pull[1::-1]))
             elif what == "wall_friction":
                 self.values[f"wall_friction {words[0]}"] = float(words[1])
             elif what in self.values:
@@ -458,7 +481,7 @@ class Session:
         iterations = self.names.index("newton_iterations")
         self.rates.append((self.looked, len(rows), sum(row[iterations] for row in rows)))
         self.publish({"kind": "frame", "t": t, "rows": rows, "frame": frame, "branch": self.branch.number,
-                      "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "to": None})
+                      "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "lamp": self.lamp, "pull": self.pull, "to": None})
 
     def keep_frame(self, t, frame):
         frames = self.branch.frames
@@ -535,7 +558,7 @@ class Session:
         shown = rows[::step] + ([rows[-1]] if rows and (len(rows) - 1) % step else [])
         return {"kind": "whole", "names": self.names, "rows": [list(row) for row in shown], "frames": [[t, f] for t, f in self.branch.frames],
                 "happened": [list(h) for h in self.branch.happened], "walls": self.walls_now(self.branch.rows[-1][0] if rows else 0.0),
-                "hand": self.hand, "to": None} | {k: v for k, v in self.state().items() if k not in ("kind", "to")}
+                "hand": self.hand, "lamp": self.lamp, "pull": self.pull, "to": None} | {k: v for k, v in self.state().items() if k not in ("kind", "to")}
 
     # ---- writing ----
 
