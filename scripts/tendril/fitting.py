@@ -30,6 +30,7 @@ from scipy import stats
 from .doubts import warnings_of
 from .errors import RunError, TendrilError, arguments, number, whole
 from .fit_report import bands, describe, draw, indistinct, save, scene_text, table
+from .fit_seen import FitSeen
 from .found import Found
 from .measured import gather
 from .noise import Certainty, certainty
@@ -38,7 +39,6 @@ from .problem import Problem, Solution
 from .profiles import followed_out
 from .starting import starting_points
 from .units import PIXEL
-from .watching import FitSeen
 
 SEARCH, COARSEST = 30, 0.1  # the search for a start is made with so many times the error of the final runs, and no more
 FOLLOWED = 6  # evaluations for which two searches go on side by side, before one

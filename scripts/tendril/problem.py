@@ -80,7 +80,7 @@ class Problem:
         self.best: np.ndarray | None = None
         self.least, self.ended, self.lock = np.inf, False, Lock()
         self.bar: Stages | None = None
-        self.seen = None  # who looks on (watching.FitSeen)
+        self.seen = None  # who looks on (fit_seen.FitSeen)
         self.known: dict = {}  # runs by their point
         self.points: dict = {}  # the points themselves
         # options by whose numbers runs tell their derivatives; none: derivatives are differences between runs

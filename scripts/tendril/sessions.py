@@ -22,7 +22,7 @@ from .playing import NUMBER, Played, controls, may_lead_tip, place_of, said_rows
 from .runs import run
 from .simulation import BY_WORDS, Simulation
 
-KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
+KEEP_AT_MOST = 0.03  # of the time that it runs, for states to go back to
 KEPT = 60  # of these, of a branch
 UNHURRIED = 20  # seconds that a run takes at first, if it can
 HAPPENINGS = 500  # the latest that are kept
@@ -30,6 +30,7 @@ FRAMES = 240  # of a branch that are kept, to be looked at
 TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
 SLOW = 0.7  # seconds: a step that takes longer is told
 LOOKS = 1 / 30  # seconds between looks, at least: who looks sees no more
+LOOK_AT_MOST = 0.04  # of the time of computing, for looks, where the run does not wait anyway
 FAST = 30  # times the speed of growing: a place as fast snaps
 
 
@@ -94,10 +95,13 @@ class Session:
             self.controls.append({"name": "pull_angle", "label": "direction of that pull", "value": float(np.arctan2(*self.pull_at[1::-1])), "low": -3.1416,
                                   "high": 3.1416, "unit": "rad", "of": "tropism_direction"})
         self.replay_values([])
-        self.computing, self.busy_since, self.keeping, self.kept_at, self.states = 0.0, None, 0.0, time.monotonic(), 0
+        # seconds: since when a step is under way; that it has run, has kept states, that keeping one takes
+        self.busy_since, self.lived, self.keeping, self.to_keep, self.states = None, 0.0, 0.0, 0.03, 0
+        self.kept_at = self.stepped = time.monotonic()
         self.rates = deque(maxlen=400)  # (when, iterations)
         self.before = None  # nodes of the step before
         self.looked, self.unseen, self.slowest = 0.0, False, 0.0
+        self.idle, self.look_at, self.to_look = True, 0.0, 0.0  # it has waited; the thread's own seconds at the latest look, and of it
         self.lock = threading.RLock()
         self.look()
         self.thread = threading.Thread(target=self.loop, name="tendril live", daemon=True)
@@ -140,6 +144,7 @@ class Session:
         began, t0 = time.monotonic(), self.sim.t
         while not self.closing:
             wait = self.wait(began, t0)
+            self.idle = self.idle or wait is None or wait > 0
             try:
                 command = self.commands.get(timeout=wait) if wait is None or wait > 0 else self.commands.get_nowait()
             except queue.Empty:
@@ -344,7 +349,6 @@ class Session:
             self.happened("gave up: " + str(fault))
         took = time.monotonic() - self.busy_since
         self.busy_since = None
-        self.computing += took
         if not going:
             if self.unseen:
                 self.look()
@@ -354,14 +358,22 @@ class Session:
             return
         self.unseen = True
         self.slowest = max(self.slowest, took)
-        if time.monotonic() - self.looked > LOOKS or not self.running:
+        if not self.running or self.may_look():
             self.look()
         self.keep()
 
+    def may_look(self):
+        """Is it time for another look? What looks take is little beside the steps, unless the run waits for the clock."""
+        if time.monotonic() - self.looked <= LOOKS:
+            return False
+        return self.idle or time.thread_time() - self.look_at > self.to_look / LOOK_AT_MOST
+
     def keep(self):
-        """A state to go back to, where that costs next to nothing beside the steps since the last."""
+        """A state to go back to, where that costs next to nothing beside all else."""
         begin = time.monotonic()
-        if self.keeping > KEEP_AT_MOST * self.computing or begin - self.kept_at < 1.0:
+        self.lived += min(begin - self.stepped, 1.0)
+        self.stepped = begin
+        if self.keeping + self.to_keep > KEEP_AT_MOST * self.lived or begin - self.kept_at < 1.0:
             return
         self.states += 1
         file = self.directory / f"state-{self.states}.h5"
@@ -375,8 +387,9 @@ class Session:
             del kept[1:-1:2]
         if self.so_far:
             self.leave(file)
-        self.kept_at = time.monotonic()
-        self.keeping += self.kept_at - begin
+        self.kept_at = self.stepped = time.monotonic()
+        self.to_keep = self.kept_at - begin
+        self.keeping += self.to_keep
 
     def leave(self, file):
         """A state beside the results, under a name of its own as soon as it is whole."""
@@ -464,6 +477,7 @@ class Session:
 
     def look(self, new=True):
         """What there is to see now, to who looks: the rows since the last look, and the rod."""
+        begin, self.idle = time.thread_time(), False
         took, self.slowest, self.unseen, self.looked = self.slowest, 0.0, False, time.monotonic()
         with self.lock:
             sim = self.sim
@@ -480,6 +494,8 @@ class Session:
             self.keep_frame(t, frame)
         iterations = self.names.index("newton_iterations")
         self.rates.append((self.looked, len(rows), sum(row[iterations] for row in rows)))
+        self.look_at = time.thread_time()
+        self.to_look = self.look_at - begin
         self.publish({"kind": "frame", "t": t, "rows": rows, "frame": frame, "branch": self.branch.number,
                       "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "lamp": self.lamp, "pull": self.pull, "to": None})
 

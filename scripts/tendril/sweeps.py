@@ -17,7 +17,7 @@ from .progress import bar
 from .readers import heading, is_number
 from .results import Results
 from .runs import execute, launched, run, scene_words, task_of, text_of, texts_of, words_of
-from .watching import SweepSeen
+from .sweep_seen import SweepSeen
 
 ALONE = {"task", "restart", "output", "quiet", "options_file"}  # a member with these runs by itself
 
