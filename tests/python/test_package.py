@@ -877,7 +877,7 @@ class Package(unittest.TestCase):
             np.testing.assert_allclose(stars, [[3, 2]] * 2, rtol=1e-12)
         found = re.search(r'"lamp": ?\[([^]]*)\]', html.unescape(tendril.view(flat)._repr_html_()))
         np.testing.assert_allclose([float(word) for word in found[1].split(",")], [3, 2], rtol=1e-12)
-        self.assertTrue(any(line.get_marker() == "*" for line in Film(flat, [flat.stored(-1)], Units(flat)).figure.axes[0].lines))
+        self.assertTrue(any(line.get_marker() == "*" for line in Film(flat, [flat.stored(-1)], Units([flat])).figure.axes[0].lines))
         np.testing.assert_allclose(solids.solids(lifted)[-1].vertices.mean(axis=0), [3, 2, 0], atol=0.05)
         rest = tendril.run(shoot, growth_type="none", tropism_rate=1, tropism_source="2,1", ts_max_time=40, friction_mu=0)
         (_, _, bend), _, (_, _, goal) = bends.bends_of(rest, rest.stored(-1))
