@@ -9,6 +9,9 @@ static const OptionRow rows[] = {
              "a, width in s of the growth zone at the clamp (gaussian)"),
     ROW_REAL("-growth_zone", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
              "length of the growth zone behind the tip (apical)"),
+    ROW_REAL("-growth_yield", "", 1e-6, 1e6, UNIT_FORCE, 0,
+             "Pi, the thrust at which growth stalls: it is slower by 1 - thrust/Pi, and faster "
+             "under tension (uniform, apical, feed); off unless given"),
     ROW_TEXT("-growth_path", INPUT_FILE,
              "CSV or HDF5 file with t and length, or t and speed: how a rod is fed over time, and "
              "pulled out again (feed)"),
@@ -347,6 +350,7 @@ PetscErrorCode GrowthCreate(Growth *growth) {
   PetscCall(GrowthPathGiven(self, &by_path));
   PetscCall(laws[choice].create(self));
   if (by_path) PetscCall(GrowthFeedByPath(self));
+  PetscCall(GrowthYields(self));
   PetscFunctionReturn(0);
 }
 

@@ -14,16 +14,18 @@ static void FindDrive(Rod rod) {
         rod->scene->reach * (PetscAbsReal(pull[1 + d]) + PetscAbsReal(law->nutation[d]));
 }
 
-/* LearnedCreate - for a rod whose model has such states, behind so many unknowns of its mechanics.
- */
-PetscErrorCode LearnedCreate(Rod rod, PetscInt mech, PetscInt bends) {
+/* LearnedCreate - for a rod whose model has such states, behind so many unknowns of its mechanics:
+   lead, and the extra ones of growth that feels force. */
+PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt bends) {
   const Tropism *law = &rod->scene->tropism;
-  const PetscInt nodes = rod->end - rod->first + 2, places = 2 * nodes;
+  const PetscInt nodes = rod->end - rod->first + 2, places = 2 * nodes, mech = lead + extra;
   Learned self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   rod->learned = self;
+  self->lead = lead;
+  self->extra = extra;
   self->mech = mech;
   self->bends = bends;
   self->per = (rod->model->fields - mech) / 2;
@@ -34,6 +36,8 @@ PetscErrorCode LearnedCreate(Rod rod, PetscInt mech, PetscInt bends) {
                          &self->k, places * self->per, &self->k_t));
   PetscCall(PetscCalloc4(places * bends, &self->given, places, &self->clock, nodes * mech,
                          &self->row, places * self->per, &self->rows));
+  PetscCall(PetscCalloc4(nodes * extra, &self->w, nodes * extra, &self->w_t, nodes * extra,
+                         &self->w_row, places * bends, &self->drives));
   PetscCall(PetscCalloc2(nodes, &self->node, nodes, &self->cell));
   PetscCall(PetscCalloc5(nodes * mech, &self->b, nodes * mech, &self->x, places * self->per,
                          &self->free, places * self->per, &self->rhs, nodes * mech, &self->beside));
@@ -49,6 +53,7 @@ PetscErrorCode LearnedDestroy(Rod rod) {
   if (!self) PetscFunctionReturn(0);
   PetscCall(PetscFree4(self->u, self->u_t, self->k, self->k_t));
   PetscCall(PetscFree4(self->given, self->clock, self->row, self->rows));
+  PetscCall(PetscFree4(self->w, self->w_t, self->w_row, self->drives));
   PetscCall(PetscFree2(self->node, self->cell));
   PetscCall(PetscFree5(self->b, self->x, self->free, self->rhs, self->beside));
   for (int b = 0; b < TROPISM_BENDS; b++) PetscCall(PetscFree(self->border[b]));
@@ -103,11 +108,12 @@ void LearnedScale(Rod rod, PetscReal scale[]) {
     }
 }
 
-/* Mechanics and states of the nodes first - 1 .. end of a vector, apart; states NULL: not these. */
-static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
+/* Mechanics and states of the nodes first - 1 .. end of a vector, apart; states NULL: not these. w:
+   the extra unknowns go there; NULL: they stay behind the others. */
+static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *w, PetscReal *states) {
   const Learned self = rod->learned;
   const PetscInt fields = rod->model->fields, from = PetscMax(rod->first - 1, 0),
-                 to = PetscMin(rod->end, rod->last);
+                 to = PetscMin(rod->end, rod->last), lead = w ? self->lead : self->mech;
   const PetscReal *v;
   Vec local;
 
@@ -115,7 +121,9 @@ static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
   PetscCall(RodOpen(rod, V, &local, &v));
   for (PetscInt i = from; i <= to; i++) {
     const PetscInt n = i - rod->first + 1;
-    memcpy(mech + n * self->mech, v + i * fields, (size_t)self->mech * sizeof(*v));
+    memcpy(mech + n * lead, v + i * fields, (size_t)lead * sizeof(*v));
+    if (w && self->extra)
+      memcpy(w + n * self->extra, v + i * fields + lead, (size_t)self->extra * sizeof(*v));
     if (states)
       memcpy(states + 2 * n * self->per, v + i * fields + self->mech,
              2 * (size_t)self->per * sizeof(*v));
@@ -164,8 +172,8 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   Learned self = rod->learned;
 
   PetscFunctionBegin;
-  PetscCall(Part(rod, at->U, self->u, self->k));
-  PetscCall(Part(rod, at->U_t, self->u_t, self->k_t));
+  PetscCall(Part(rod, at->U, self->u, self->w, self->k));
+  PetscCall(Part(rod, at->U_t, self->u_t, self->w_t, self->k_t));
   self->born = (PetscBool)(rod->first == 0 && rod->scene->growth->slides &&
                            GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
   PetscCall(ShareSignal(rod, self->k, self->signal));
@@ -182,7 +190,7 @@ PetscErrorCode LearnedFill(Rod rod, void *array) {
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(self->rows, 2 * (rod->end - rod->first + 2) * self->per));
-  *(PetscReal **)array = self->row - rod->first * self->mech;
+  *(PetscReal **)array = self->row - rod->first * self->lead;
   PetscFunctionReturn(0);
 }
 
@@ -198,7 +206,9 @@ PetscErrorCode LearnedFilled(Rod rod, Vec F) {
                             self->k + SignalPlace(rod) * self->per, self->per));
   PetscCall(VecGetArrayWrite(F, (PetscScalar **)&f));
   for (PetscInt n = 0; n < rod->end - rod->first; n++) {
-    memcpy(f + n * fields, self->row + n * self->mech, (size_t)self->mech * sizeof(*f));
+    memcpy(f + n * fields, self->row + n * self->lead, (size_t)self->lead * sizeof(*f));
+    memcpy(f + n * fields + self->lead, self->w_row + (n + 1) * self->extra,
+           (size_t)self->extra * sizeof(*f));
     memcpy(f + n * fields + self->mech, self->rows + 2 * (n + 1) * self->per,
            2 * (size_t)self->per * sizeof(*f));
   }
@@ -220,8 +230,10 @@ void LearnedResidual(Rod rod, PetscInt place, const LearnedPoint *point) {
     const PetscReal f = self->at_tip      ? self->signal[b]
                         : self->remembers ? k[self->bends + b]
                                           : point->sensed[b];
-    row[b] = k_t[b] - self->clock[place] * TropismDrive(law, f, point->natural[b],
-                                                        point->elastic[b], self->nutation[b]);
+    const PetscReal drive =
+        TropismDrive(law, f, point->natural[b], point->elastic[b], self->nutation[b]);
+    self->drives[place * self->bends + b] = drive;
+    row[b] = k_t[b] - self->clock[place] * drive;
     if (self->remembers)
       row[self->bends + b] = law->memory * k_t[self->bends + b] + f - point->sensed[b];
   }
@@ -273,6 +285,8 @@ void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const Pets
 
   if (rod->learned->mech == LINE_FIELDS)
     MakeRow(rod, 2 * at, slope, shift + LINE_FIELDS, LINE_FIELDS, 1, row);
+  else if (rod->learned->extra)
+    MakeRow(rod, 2 * at, slope, shift + rod->learned->mech, rod->learned->mech, 1, row);
   else
     MakeRow(rod, 2 * at, slope, shift + WIDE_FIELDS, WIDE_FIELDS, TROPISM_BENDS, row);
 }
@@ -583,7 +597,7 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
 
   PetscFunctionBegin;
   if (self->at_tip && !self->bordered) PetscCall(Border(rod));
-  PetscCall(Part(rod, b, self->beside, self->rhs));
+  PetscCall(Part(rod, b, self->beside, NULL, self->rhs));
   for (PetscInt c = 0; c < self->bends && self->at_tip && rod->end > rod->last; c++)
     self->rhs[SignalPlace(rod) * self->per + c] /= self->tip_own[c];
   PetscCall(ShareSignal(rod, self->rhs, signal));
@@ -592,7 +606,7 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
   Fold(rod, self->b);
   PetscCall(SolveBordered(rod, signal));
   PetscCall(Put(rod, self->x, NULL, x));
-  PetscCall(Part(rod, x, self->beside, NULL));
+  PetscCall(Part(rod, x, self->beside, NULL, NULL));
   for (PetscInt i = from; i <= to; i++)
     UnfoldNode(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
   for (PetscInt i = from; i < to; i++)
@@ -643,7 +657,7 @@ PetscErrorCode LearnedGet(Rod rod, Vec U, Node *nodes) {
   PetscReal signal[TROPISM_BENDS] = {0}, *states = self->rhs;
 
   PetscFunctionBegin;
-  PetscCall(Part(rod, U, self->beside, states));
+  PetscCall(Part(rod, U, self->beside, NULL, states));
   PetscCall(ShareSignal(rod, states, signal));
   for (PetscInt i = rod->first; i < rod->end; i++)
     for (int half = 0; half < 2; half++)
@@ -904,12 +918,24 @@ static void OfPoint(const Rod rod, PetscReal clock, const LearnedSlope *slope, P
   }
 }
 
-static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const Rows *rows) {
+/* ... by the clock, that goes with forces where growth feels them. */
+static void PutClock(const Rod rod, PetscInt place, PetscInt first, PetscInt block,
+                     const PetscReal by[LEARNED_MOST], const Rows *rows) {
+  const Learned self = rod->learned;
+
+  for (PetscInt b = 0; b < self->bends && self->extra; b++)
+    Add(self->mech, -self->drives[place * self->bends + b], by,
+        Entry(rod, rows, first + b, block, 0));
+}
+
+static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal *clock,
+                    const Rows *rows) {
   const Learned self = rod->learned;
   const LearnedRow *row = &self->node[i - rod->first + 1];
 
   PutOwn(rod, i, 0, row, rows);
   if (IsBorn(rod, 2 * (i - rod->first + 1))) return;
+  PutClock(rod, 2 * (i - rod->first + 1), self->mech, OWN, clock, rows);
   for (PetscInt b = 0; b < self->bends; b++) {
     PetscReal of[2][LEARNED_MOST];
     OfPoint(rod, row->clock, slope, b, of[0], of[1]);
@@ -924,6 +950,8 @@ static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Row
   const PetscInt first = self->mech + self->per;
 
   PutOwn(rod, i, 1, row, rows);
+  for (int e = 0; e < 2; e++)
+    PutClock(rod, 2 * (i - rod->first + 1) + 1, first, OWN + e, cell->clock[1][e], rows);
   for (PetscInt b = 0; b < self->bends; b++) {
     PetscReal of[2][LEARNED_MOST];
     OfPoint(rod, row->clock, &cell->slope[1], b, of[0], of[1]);
@@ -939,14 +967,22 @@ static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Row
   }
 }
 
-/* Equations from .. to - 1 of a cell, whose nodes are the blocks a and a + 1 of the rows. */
+/* Is an equation of a cell, or of an end, a row of the node before it? V's is. */
+static PetscBool OfNodeBefore(const Rod rod, PetscInt row) {
+  const Learned self = rod->learned;
+
+  return (PetscBool)(row < rod->model->halves[0] || (self->extra && row == self->lead));
+}
+
+/* The equations of a cell that are rows of the node before it, or the others; its nodes are the
+   blocks a and a + 1 of the rows. */
 static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal *left,
-                         const PetscReal *right, PetscInt from, PetscInt to, PetscInt a,
-                         const Rows *rows) {
+                         const PetscReal *right, PetscBool before, PetscInt a, const Rows *rows) {
   const Learned self = rod->learned;
   const PetscReal *J[2] = {left, right};
 
-  for (PetscInt r = from; r < to; r++) {
+  for (PetscInt r = 0; r < self->mech; r++) {
+    if (OfNodeBefore(rod, r) != before) continue;
     for (int e = 0; e < 2; e++) {
       Add(self->mech, 1, J[e] + r * self->mech, Entry(rod, rows, r, a + e, 0));
       for (PetscInt b = 0; b < self->bends; b++)
@@ -954,6 +990,17 @@ static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal
     }
     for (PetscInt b = 0; b < self->bends; b++)
       *Entry(rod, rows, r, a, self->mech + self->per + b) += cell->column[1][b][r];
+  }
+}
+
+/* The equations of an end, in the order of the rows that they are. */
+static void PutEnd(const Rod rod, const PetscReal *by, PetscBool before, const Rows *rows) {
+  const PetscInt mech = rod->learned->mech;
+
+  for (PetscInt r = 0; r < mech; r++) {
+    if (OfNodeBefore(rod, r) != before) continue;
+    Add(mech, 1, by, Entry(rod, rows, r, OWN, 0));
+    by += mech;
   }
 }
 
@@ -974,32 +1021,30 @@ static void PutLast(const Rod rod, const Rows *rows) {
 
   begin            the equations of the beginning, by its node; NULL: it is another node
   cell, left, right  of the cell behind it, NULL for the last node
+  clock            the node's by its unknowns
   own              the last equations of the last node; NULL: it is another one
   room             2 * fields * 4 * fields numbers, 0 at first
 */
 PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const LearnedCell *cell,
                              const PetscReal *left, const PetscReal *right,
-                             const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
-                             Mat J) {
+                             const LearnedSlope *slope, const PetscReal *clock,
+                             const PetscReal *own, PetscReal *room, Mat J) {
   const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields, half = rod->model->halves[0],
-                 size = fields * BESIDE * fields;
+  const PetscInt fields = rod->model->fields, size = fields * BESIDE * fields;
   const Rows rows = {.width = BESIDE * fields, .v = room},
              next = {.width = BESIDE * fields, .v = room + size};
   const PetscInt cols[BESIDE] = {i - 1, i, i < rod->last ? i + 1 : -1,
                                  self->at_tip && rod->last > i + 1 ? rod->last : -1};
 
   PetscFunctionBegin;
-  for (PetscInt r = 0; r < half && begin; r++)
-    Add(self->mech, 1, begin + r * self->mech, Entry(rod, &rows, r, OWN, 0));
-  PutNode(rod, i, slope, &rows);
+  if (begin) PutEnd(rod, begin, PETSC_TRUE, &rows);
+  PutNode(rod, i, slope, clock, &rows);
   if (cell) {
-    PutEquations(rod, cell, left, right, half, self->mech, OWN, &rows);
-    PutEquations(rod, cell, left, right, 0, half, 0, &next);
+    PutEquations(rod, cell, left, right, PETSC_FALSE, OWN, &rows);
+    PutEquations(rod, cell, left, right, PETSC_TRUE, 0, &next);
     PutMid(rod, i, cell, &rows);
   } else {
-    for (PetscInt r = half; r < self->mech; r++)
-      Add(self->mech, 1, own + (r - half) * self->mech, Entry(rod, &rows, r, OWN, 0));
+    PutEnd(rod, own, PETSC_FALSE, &rows);
     PutLast(rod, &rows);
   }
   if (i >= rod->first)

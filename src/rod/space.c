@@ -230,7 +230,7 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   self->mid_weight = choice ? 4. / 6 : 1;
   self->bow = choice ? 1. / 8 : 0;
   self->time = PETSC_MIN_REAL;
-  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, TROPISM_BENDS));
+  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, 0, TROPISM_BENDS));
   rod->memory = SpaceRemembers(&rod->scene->load);
   self->duals = rod->scene->load.duals3;
   SpaceCellsForget(self);

@@ -12,7 +12,8 @@ typedef struct {
   LoadSlope3 load;
 } Slope;
 
-/* The derivatives of the kink that feet leave (space.c), by p in the middle of the cell and by w. */
+/* The derivatives of the kink that feet leave (space.c), by p in the middle of the cell and by w.
+ */
 static void KinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]) {
   const Point *p = cell->mid;
   const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[1].g);
@@ -523,14 +524,14 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
-                            &learned.slope[0], NULL, room, J));
+                            &learned.slope[0], NULL, NULL, room, J));
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, &slopes.b, at->shift, by);
     LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
     LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(
-        LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], by[0], room, J));
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], NULL, by[0],
+                            room, J));
   }
   PetscCall(SpaceCellsClose(&cell));
   PetscCall(PetscFree(room));

@@ -279,7 +279,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
   PetscCall(SpaceClampDirection(&self->clamp_angle, &self->space));
   PetscCall(LoadSetFromOptions(&self->load));
-  if (self->growth->rests) LoadNextToExact(&self->load);
+  if (self->growth->rests || self->growth->yield > 0) LoadNextToExact(&self->load);
   PetscCall(TipSetFromOptions(&self->tip, &self->load));
   PetscCall(StiffnessSetFromOptions(&self->stiffness));
   PetscCall(ShapeSetFromOptions(&self->shape));
@@ -294,6 +294,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(GrowthLongest(self->growth, self->end_time, &self->reach));
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(TropismSetFromOptions(&self->tropism, self->growth));
+  if (self->growth->yield > 0) self->tropism.any = PETSC_TRUE; /* its material may learn */
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
