@@ -544,7 +544,7 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
                         PetscReal left[YIELD_FIELDS][YIELD_FIELDS],
                         PetscReal right[YIELD_FIELDS][YIELD_FIELDS], LearnedCell *learned) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  PetscReal still[YIELD_FIELDS];
+  PetscReal still[YIELD_FIELDS] = {[FIELDS] = shift[FIELDS], shift[FIELDS + 1]};
   YieldCell of = {.place = 2 * (i - cell->rod->first + 1),
                   .h = cell->h,
                   .bow = frame->bow * cell->h,

@@ -72,7 +72,6 @@ typedef struct {
 
 /* frame_yield.c */
 PetscErrorCode FrameYieldSee(Rod rod, PetscReal t, Vec U);
-PetscErrorCode FrameYieldKeep(Rod rod, PetscInt m, const PetscReal times[], const Vec points[]);
 void FrameYieldLaws(Rod rod);
 void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
                         const Point *b);

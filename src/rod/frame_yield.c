@@ -27,76 +27,32 @@ static PetscReal SlopeOfV(const Rod rod, PetscReal s, PetscReal length, const Pe
   return GrowthYieldWeight(rod->scene->growth, s, length, &by_length) * Yields(rod, q, n, NULL);
 }
 
-/* V, its slope and L of owned nodes, to all ranks. */
-static PetscErrorCode Gather(Rod rod, PetscReal *all) {
-  enum { VALUES = 3 };
-  PetscMPIInt ranks, *many, *from, mine[2];
-
-  PetscFunctionBegin;
-  if (rod->alone) PetscFunctionReturn(0);
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  PetscCall(PetscMalloc2(ranks, &many, ranks, &from));
-  mine[0] = (PetscMPIInt)(VALUES * (rod->end - rod->first));
-  mine[1] = (PetscMPIInt)(VALUES * rod->first);
-  PetscCallMPI(MPI_Allgather(&mine[0], 1, MPI_INT, many, 1, MPI_INT, rod->scene->comm));
-  PetscCallMPI(MPI_Allgather(&mine[1], 1, MPI_INT, from, 1, MPI_INT, rod->scene->comm));
-  PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, many, from, MPIU_REAL,
-                              rod->scene->comm));
-  PetscCall(PetscFree2(many, from));
-  PetscFunctionReturn(0);
-}
-
-/* V, V' and L of all nodes of a state, on every rank. */
-static PetscErrorCode Read(Rod rod, Vec U, PetscReal *speed, PetscReal *slope, PetscReal *length) {
-  const PetscInt fields = rod->model->fields;
-  const PetscReal *s = rod->scene->mesh.s;
-  const PetscScalar *v;
-  PetscReal *all;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(3 * (rod->last + 1), &all));
-  PetscCall(VecGetArrayRead(U, &v));
-  for (PetscInt i = rod->first; i < rod->end; i++) {
-    const PetscReal *u = (const PetscReal *)v + (i - rod->first) * fields,
-                    q[2] = {PetscCosReal(u[TH]), PetscSinReal(u[TH])};
-    all[3 * i] = u[OF_V];
-    all[3 * i + 1] = SlopeOfV(rod, s[i], u[OF_L], q, u + N1);
-    all[3 * i + 2] = u[OF_L];
-  }
-  PetscCall(VecRestoreArrayRead(U, &v));
-  PetscCall(Gather(rod, all));
-  for (PetscInt i = 0; i <= rod->last; i++) {
-    speed[i] = all[3 * i];
-    if (slope) slope[i] = all[3 * i + 1];
-  }
-  *length = all[3 * rod->last + 2];
-  PetscCall(PetscFree(all));
-  PetscFunctionReturn(0);
-}
-
-/* FrameYieldSee - tells the law of growth what it is in a state. Collective. */
+/* FrameYieldSee - tells the law of growth what it is in a state: V, V' and L of all nodes, on every
+   rank. Collective. */
 PetscErrorCode FrameYieldSee(Rod rod, PetscReal t, Vec U) {
-  PetscReal *speed, *slope, length = 0;
+  enum { VALUES = 3 };
+  const PetscInt fields = rod->model->fields, n = rod->last + 1;
+  const PetscReal *s = rod->scene->mesh.s, *v;
+  PetscReal *all, *speed, *slope;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc2(rod->last + 1, &speed, rod->last + 1, &slope));
-  PetscCall(Read(rod, U, speed, slope, &length));
-  PetscCall(GrowthYieldSee(rod->scene->growth, t, rod->last + 1, rod->scene->mesh.s, length, speed,
-                           slope));
-  PetscCall(PetscFree2(speed, slope));
-  PetscFunctionReturn(0);
-}
-
-/* FrameYieldKeep - tells it those that a step goes on from, the latest first. Collective. */
-PetscErrorCode FrameYieldKeep(Rod rod, PetscInt m, const PetscReal times[], const Vec points[]) {
-  const PetscInt n = rod->last + 1;
-  PetscReal *speed, *length;
-
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc2(m * n, &speed, m, &length));
-  for (PetscInt j = 0; j < m; j++) PetscCall(Read(rod, points[j], speed + j * n, NULL, &length[j]));
-  PetscCall(GrowthYieldKeep(rod->scene->growth, m, times, length, n, rod->scene->mesh.s, speed));
-  PetscCall(PetscFree2(speed, length));
+  PetscCall(PetscMalloc3(VALUES * n, &all, n, &speed, n, &slope));
+  PetscCall(VecGetArrayRead(U, (const PetscScalar **)&v));
+  for (PetscInt i = rod->first; i < rod->end; i++) {
+    const PetscReal *u = v + (i - rod->first) * fields,
+                    q[2] = {PetscCosReal(u[TH]), PetscSinReal(u[TH])};
+    all[VALUES * i] = u[OF_V];
+    all[VALUES * i + 1] = SlopeOfV(rod, s[i], u[OF_L], q, u + N1);
+    all[VALUES * i + 2] = u[OF_L];
+  }
+  PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&v));
+  PetscCall(LearnedGather(rod, VALUES, all));
+  for (PetscInt i = 0; i < n; i++) {
+    speed[i] = all[VALUES * i];
+    slope[i] = all[VALUES * i + 1];
+  }
+  PetscCall(GrowthYieldSee(rod->scene->growth, t, n, s, all[VALUES * n - 1], speed, slope));
+  PetscCall(PetscFree3(all, speed, slope));
   PetscFunctionReturn(0);
 }
 

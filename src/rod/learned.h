@@ -101,6 +101,8 @@ PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const 
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]);
 PetscBool LearnedFront(const Rod rod);
 PetscBool LearnedCarries(const Rod rod);
+PetscErrorCode LearnedGather(Rod rod, PetscInt width, PetscReal *all);
+PetscErrorCode LearnedKeepWay(Rod rod, PetscInt m, const PetscReal times[], const Vec points[]);
 PetscErrorCode LearnedTimesRate(Rod rod, Vec V);
 PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
                             const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum);

@@ -202,6 +202,8 @@ static void SpaceScale(PetscReal size[]) {
 
 /* In space a rod that nothing holds may spin about itself. */
 static const char *SpaceRefuses(Scene scene) {
+  if (scene->growth->yield > 0)
+    return "-growth_yield: growth that feels force is one of a rod in the plane";
   return scene->clamp == CLAMP_FREE && scene->load.radius == 0
              ? "-clamp_type free: nothing keeps a rod in space from spinning about itself; give it "
                "a -friction_radius"

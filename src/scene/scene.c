@@ -1,5 +1,6 @@
 #include "scene/scene.h"
 #include "base/extremes.h"
+#include <string.h>
 #include <unistd.h>
 
 static const OptionRow rows[] = {
@@ -234,6 +235,23 @@ void SceneAtTolerance(Scene scene, PetscReal rtol) {
   if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
 }
 
+/* Material of a rod that grows all along slides past its labels where growth feels force: what is
+   given at labels would be at another place of it each time. */
+static PetscErrorCode CheckYield(Scene scene) {
+  static const char *const at_labels[] = {"-rod_curvature_file", "-rod_curvature_random"};
+  PetscBool given;
+
+  PetscFunctionBegin;
+  if (scene->growth->yield == 0 || strcmp(scene->growth->type, "uniform")) PetscFunctionReturn(0);
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(at_labels); k++) {
+    PetscCall(OptionGiven(at_labels[k], &given));
+    UserCheck(!given, OptionsComm(),
+              "%s: not with -growth_yield of a rod that grows all along; leave one out",
+              at_labels[k]);
+  }
+  PetscFunctionReturn(0);
+}
+
 /* A rod whose beginning is free has nothing there that lets material in, or turns it; and a hinge
    is one about which material that has grown swings, none that lets it in. */
 static PetscErrorCode CheckClamp(Scene scene) {
@@ -301,10 +319,13 @@ PetscErrorCode SceneCreate(Scene *scene) {
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
-  UserCheck(!self->tropism.any || !self->contact.self, OptionsComm(),
-            "-contact_self: not with -tropism_ options or -growth_ironing; leave one out");
+  UserCheck(
+      !self->tropism.any || !self->contact.self, OptionsComm(),
+      "-contact_self: not with -tropism_ options, -growth_ironing or -growth_yield; leave one "
+      "out");
   if (self->tropism.any) TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab);
   if (self->tropism.why) self->space.why = self->tropism.why;
+  PetscCall(CheckYield(self));
   PetscCall(CheckClamp(self));
   if (self->load.radius > 0 && self->clamp != CLAMP_FREE) LoadNextToExact(&self->load);
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)

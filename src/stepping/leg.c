@@ -1,7 +1,6 @@
 #include "stepping/leg.h"
 #include "base/lagrange.h"
 #include "rod/ask.h"
-#include "rod/frame.h"
 #include "rod/learned.h"
 #include "stepping/guard.h"
 #include "stepping/vbdf.h"
@@ -172,7 +171,7 @@ static PetscErrorCode CarryLearned(TS ts, PetscReal t, PetscInt m, const PetscRe
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
-  if (LearnedExtra(leg->rod)) PetscCall(FrameYieldKeep(leg->rod, m, times, points));
+  PetscCall(LearnedKeepWay(leg->rod, m, times, points));
   PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, sum));
   PetscFunctionReturn(0);
 }
