@@ -235,7 +235,8 @@ void SceneAtTolerance(Scene scene, PetscReal rtol) {
   if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
 }
 
-/* Material of a rod that grows all along slides past its labels where growth feels force: what is
+/* What does not go with growth that feels force: that of a rod that touches itself. Material of
+   a rod that grows all along slides past its labels where growth feels force: what is
    given at labels would be at another place of it each time. */
 static PetscErrorCode CheckYield(Scene scene) {
   static const char *const at_labels[] = {"-rod_curvature_file", "-rod_curvature_random"};
@@ -319,10 +320,6 @@ PetscErrorCode SceneCreate(Scene *scene) {
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
-  UserCheck(
-      !self->tropism.any || !self->contact.self, OptionsComm(),
-      "-contact_self: not with -tropism_ options, -growth_ironing or -growth_yield; leave one "
-      "out");
   if (self->tropism.any) TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab);
   if (self->tropism.why) self->space.why = self->tropism.why;
   PetscCall(CheckYield(self));
