@@ -546,6 +546,7 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
   const Frame *frame = (const Frame *)cell->rod->data;
   PetscReal still[YIELD_FIELDS] = {[FIELDS] = shift[FIELDS], shift[FIELDS + 1]};
   YieldCell of = {.place = 2 * (i - cell->rod->first + 1),
+                  .tip = (PetscBool)(i + 1 == cell->rod->last),
                   .h = cell->h,
                   .bow = frame->bow * cell->h,
                   .shift = {shift, ShiftsAt(cell, i + 1, shift, still)},
@@ -556,6 +557,7 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
   if (!new_a) cell->slope[0] = cell->slope[2]; /* (each slope is brought up to the state once) */
   for (int k = new_a ? 0 : 1; k < 3; k++) Linearise(cell, k, of.at[k]);
   for (int k = 0; k < 3; k++) of.slope[k] = &cell->slope[k];
+  FrameLearnedResidual(cell->rod, i, cell->h, cell->a, cell->mid, cell->b); /* what drives it */
   FrameYieldCell(cell->rod, &of, left, right, learned);
   FrameLearnedSlopes(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, PETSC_TRUE, PETSC_TRUE,
                      learned);
@@ -584,6 +586,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
                             &learned.slope[0], learned.clock[0][0], NULL, room, J));
   }
   if (rod->end > rod->last) {
+    FrameLearnedResidual(rod, rod->last, 0, cell.b, NULL, NULL);
     TipBlock(&cell, cell.b, at->shift, by);
     PetscCall(PetscMemzero(end, sizeof(end)));
     for (int r = 0; r < TIP_ROWS; r++) PetscCall(PetscArraycpy(end[r], by[r], FIELDS));

@@ -63,6 +63,7 @@ enum { YIELD_FIELDS = FIELDS + 2 };
 
 typedef struct {
   PetscInt place;            /* of a */
+  PetscBool tip;             /* b is the tip */
   PetscReal h, bow, turn[2]; /* 1/8 of h, or 0; theta_t of both nodes */
   const PetscReal *shift[2];
   const Law *law;

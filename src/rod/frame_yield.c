@@ -56,12 +56,13 @@ PetscErrorCode FrameYieldSee(Rod rod, PetscReal t, Vec U) {
   PetscFunctionReturn(0);
 }
 
-/* FrameYieldLaws - those of nodes and middles, by the unknowns there: behind FrameYieldSee(), which
-   the laws of the time have come from. */
+/* FrameYieldLaws - those of nodes and middles, by the unknowns there, and the clocks of what is
+   learned there: behind FrameYieldSee(), which the laws of the time have come from. */
 void FrameYieldLaws(Rod rod) {
   const Frame *frame = (const Frame *)rod->data;
   const Learned learned = rod->learned;
   const PetscInt from = PetscMax(rod->first - 1, 0), to = PetscMin(rod->end, rod->last);
+  const PetscBool by_rate = rod->scene->tropism.by_rate;
   PetscReal slope = 0, before = 0;
 
   for (PetscInt i = from; i <= to; i++, before = slope) {
@@ -71,13 +72,17 @@ void FrameYieldLaws(Rod rod) {
     Law *law = &frame->law[2 * at];
     law->g = w[L];
     law->g_t = w_t[L];
-    law->c = w[V] - law->s * w_t[L];
+    law->c = i == rod->last ? 0 : w[V] - law->s * w_t[L]; /* (the tip is its material) */
     slope = SlopeOfV(rod, law->s, w[L], q, u + N1);
+    if (!by_rate) learned->clock[2 * at] = slope / law->g;
     if (i == from) continue;
     law[-1].g = (law[-2].g + law->g) / 2;
     law[-1].g_t = (law[-2].g_t + law->g_t) / 2;
     law[-1].c = CurveMid(frame->bow * (law->s - law[-2].s), w[V - 2], before, w[V], slope) -
                 law[-1].s * law[-1].g_t;
+    if (!by_rate)
+      learned->clock[2 * at - 1] =
+          (1.5 * (w[V] - w[V - 2]) / (law->s - law[-2].s) - (before + slope) / 4) / law[-1].g;
   }
 }
 
@@ -175,7 +180,7 @@ static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unkno
   of->own[unknown] = 1;
   turn = shift[TH] * of->own[TH];
   rate = shift[OF_L] * of->own[OF_L];
-  slide = of->own[OF_V] - law->s * rate;
+  slide = e && cell->tip ? 0 : of->own[OF_V] - law->s * rate;
   d->theta = of->own[TH];
   d->m = of->own[M];
   d->g = of->own[OF_L];

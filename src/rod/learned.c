@@ -163,8 +163,9 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   PetscFunctionBegin;
   PetscCall(LearnedPart(rod, at->U, self->u, self->w, self->k));
   PetscCall(LearnedPart(rod, at->U_t, self->u_t, self->w_t, self->k_t));
-  self->born = (PetscBool)(rod->first == 0 && rod->scene->growth->slides &&
-                           GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
+  self->born =
+      (PetscBool)(rod->first == 0 && rod->scene->growth->slides && !rod->scene->growth->rests &&
+                  GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
   PetscCall(LearnedShareSignal(rod, self->k, self->signal));
   PetscCall(LearnedShareSignal(rod, self->k_t, self->signal_t));
   for (int b = 0; b < TROPISM_BENDS; b++)

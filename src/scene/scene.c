@@ -235,16 +235,18 @@ void SceneAtTolerance(Scene scene, PetscReal rtol) {
   if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
 }
 
-/* What does not go with growth that feels force: that of a rod that touches itself. Material of
-   a rod that grows all along slides past its labels where growth feels force: what is
-   given at labels would be at another place of it each time. */
+/* What does not go with growth that feels force: strands that touch, of which V and L are not told.
+   And what is given at labels, if the rod grows all along: its material slides past them then. */
 static PetscErrorCode CheckYield(Scene scene) {
   static const char *const at_labels[] = {"-rod_curvature_file", "-rod_curvature_random"};
   PetscBool given;
 
   PetscFunctionBegin;
-  if (scene->growth->yield == 0 || strcmp(scene->growth->type, "uniform")) PetscFunctionReturn(0);
+  if (scene->growth->yield == 0) PetscFunctionReturn(0);
+  UserCheck(!scene->contact.self, OptionsComm(),
+            "-contact_self: not of a rod whose growth feels force (-growth_yield); leave one out");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(at_labels); k++) {
+    if (strcmp(scene->growth->type, "uniform")) break;
     PetscCall(OptionGiven(at_labels[k], &given));
     UserCheck(!given, OptionsComm(),
               "%s: not with -growth_yield of a rod that grows all along; leave one out",
