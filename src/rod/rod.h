@@ -45,7 +45,7 @@ typedef struct {
      quaternion of the directors, moment and force, all in the clamp's frame, and rates */
   PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4], m3_t[3];
   NodeLearned learned[2]; /* at the node, and in the middle of the cell behind it */
-  PetscReal growth[2]; /* V and the length of the rod, where its growth feels force */
+  PetscReal growth[2];    /* V and the length of the rod, where its growth feels force */
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
