@@ -806,14 +806,19 @@ static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *s
   PetscInt n = frame->feet ? CellsFeet(cell, i, &of, &feet) : 0;
 
   for (int k = 0; k < 3; k++) {
-    if (at[k]) LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls);
+    if (at[k])
+      LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
+    sum->moved += cell->h * weight[k] * cell->law[k].g * end->moved;
     for (int d = 0; d < 2; d++) {
       sum->friction[d] += cell->h * weight[k] * cell->law[k].g * end->friction[d];
       sum->walls[d] += cell->h * weight[k] * cell->law[k].g * end->walls[d];
     }
   }
   for (PetscInt k = 0; k < n; k++)
-    for (int d = 0; d < 2; d++) sum->walls[d] += feet.foot[k].force[d];
+    for (int d = 0; d < 2; d++) {
+      sum->walls[d] += feet.foot[k].force[d];
+      sum->moved += feet.foot[k].force[d] * feet.touch[k].v[d];
+    }
 }
 
 /* Adds what the tip bears. */
@@ -821,7 +826,7 @@ static void AddTip(const Cell *cell, RodForces *sum) {
   Rod rod = cell->rod;
   const Tip *tip = &rod->scene->tip;
 
-  TipWalls(tip, &cell->b->at, TipDual(rod), sum->tip);
+  sum->moved += TipWalls(tip, &cell->b->at, TipDual(rod), sum->tip);
   for (int d = 0; d < 2; d++) sum->walls[d] += sum->tip[d];
   for (int d = 0; d < 2 && cell->push && tip->type == TIP_FREE; d++)
     sum->tip[d] += cell->push[2 * rod->last + 1][d];
@@ -837,7 +842,8 @@ static PetscErrorCode FrameBears(Rod rod, const RodState *at, RodForces *sum) {
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
     if (i < rod->first) continue;
-    if (i == rod->first) LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls);
+    if (i == rod->first)
+      LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
     AddForces(&cell, i, &end, sum);
   }
   if (rod->end == rod->last + 1) AddTip(&cell, sum);

@@ -36,6 +36,7 @@ static PetscErrorCode ChooseModel(Grow *self) {
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
+  if (space->rod) PetscCall(WallsRefuseSpace(&self->scene->contact.walls));
   PetscCall(OptionGiven("-accuracy", &asked));
   /* their errors are measured; linear rods creep behind a growth zone under friction that is next
      to exact, by as much as they are bent, and in short waves that the steps do not see */
@@ -46,8 +47,7 @@ static PetscErrorCode ChooseModel(Grow *self) {
       "%s: means nothing in the plane, and nothing here takes the rod out of it; take it out, "
       "or give -rod_model space",
       space->only);
-  UserCheck(!space->rod || !self->member || self->member->values == OBSERVED_IN_SPACE,
-            self->scene->comm,
+  UserCheck(!space->rod || !self->member || self->member->space, self->scene->comm,
             "%s: takes this rod out of the plane, as nothing that the sweep's options say does; "
             "give the sweep -rod_model space",
             space->why ? space->why : "-rod_model");
