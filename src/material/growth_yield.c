@@ -266,7 +266,7 @@ PetscErrorCode GrowthYields(Growth self) {
   const PetscBool fed = (PetscBool)!strcmp(self->type, "feed"),
                   zone = (PetscBool)!strcmp(self->type, "apical");
   PetscReal limit;
-  PetscBool given;
+  PetscBool given, even;
   Yield *yield;
 
   PetscFunctionBegin;
@@ -278,6 +278,9 @@ PetscErrorCode GrowthYields(Growth self) {
             "-growth_type, or take it out");
   UserCheck(self->fastest == 0, OptionsComm(),
             "-growth_yield: how a rod is fed is given by -growth_path; leave one of both out");
+  PetscCall(OptionGiven("-growth_profile", &even));
+  UserCheck(!even, OptionsComm(),
+            "-growth_profile: growth that feels force (-growth_yield) is a bell; take it out");
   if (self->destroy) PetscCall(self->destroy(self));
   PetscCall(PetscNew(&yield));
   self->data = yield;

@@ -151,6 +151,7 @@ def what_does_not_go_with_it_is_refused():
                           ("-rod_model mixed", "-growth_yield"), ("-task critical", "-growth_yield"),
                           ("-task stability", "-growth_yield"), ("-rod_order 2", "-rod_order 2"),
                           ("-tropism_nutation 1 -tropism_nutation_2 1", "-growth_yield"),
+                          ("-growth_type apical -growth_profile even", "-growth_profile"),
                           ("-rod_curvature_random 0.1", "-rod_curvature_random"),
                           ("-contact_self true -contact_diameter 0.1", "-contact_self"),
                           ("-clamp_type hinged", "-clamp_type")):
