@@ -51,6 +51,12 @@ for file in options/*.opts; do
     files=(results/tube-flat.h5 "${files[@]}")
     what=(--panels shapes,side --times 5,10,16 --titles "clamped on the table,clamped above it")
     ;;
+  root-stalls) # beside the root whose growth is given
+    sed '/^-growth_yield/d' "$file" >results/root-grows.opts
+    build/tendril -quiet -options_file results/root-grows.opts -ts_max_time 6.5 -output results/root-grows.h5
+    files=(results/root-grows.h5 "${files[@]}")
+    what=(--panels shapes,length --times 1,3,5,6.4 --titles "growth is given,growth feels force")
+    ;;
   root-helix | vine-heavy) what=(--panels space,shapes,curvature,twisting) ;;
   wire-spun | rod-bent) what=(--panels space,norm,curvature,twisting) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
