@@ -25,7 +25,8 @@ def strain_rate(r: Results, shape: Shape) -> np.ndarray:
     if law == "apical":
         zone = min(number(r, "growth_zone"), shape.length)
         z = np.clip((1 - shape.s) * shape.length / zone, 0, 1)
-        rate = 30 * z**2 * (1 - z) ** 2 / zone
+        even = r.attributes.get("parameters/growth_profile") == "even"
+        rate = (z < 1) / zone if even else 30 * z**2 * (1 - z) ** 2 / zone
     elif law == "uniform":
         rate = np.full(len(shape.s), 1 / shape.length)
     else:  # in place
