@@ -1,5 +1,4 @@
-#include "rod/learned.h"
-#include "base/clones.h"
+#include "rod/learned_parts.h"
 #include <string.h>
 
 /* By what part of a turn the law bends a straight rod, as long as it becomes, towards x2 and x3. */
@@ -58,11 +57,6 @@ PetscErrorCode LearnedDestroy(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-/* The place where the last node has the tip's own signal. */
-static PetscInt SignalPlace(const Rod rod) {
-  return 2 * (rod->last - rod->first + 1) + 1;
-}
-
 /* LearnedBegin - the signal of a tip that remembers nothing is what it senses at the start, too.
    Collective. */
 PetscErrorCode LearnedBegin(Rod rod, Vec U) {
@@ -81,7 +75,7 @@ PetscErrorCode LearnedBegin(Rod rod, Vec U) {
   PetscCall(VecGetArray(U, &u));
   for (PetscInt b = 0; b < self->bends && rod->end > rod->last; b++)
     u[(rod->last - rod->first) * fields + self->mech + self->per + b] -=
-        self->rows[SignalPlace(rod) * self->per + b];
+        self->rows[LearnedSignalPlace(rod) * self->per + b];
   PetscCall(VecRestoreArray(U, &u));
   PetscCall(VecDestroy(&at.U_t));
   PetscCall(VecDestroy(&F));
@@ -103,8 +97,9 @@ void LearnedScale(Rod rod, PetscReal scale[]) {
     }
 }
 
-/* Mechanics and states of the nodes first - 1 .. end of a vector, apart; states NULL: not these. */
-static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
+/* LearnedPart - mechanics and states of the nodes first - 1 .. end of a vector, apart; states NULL:
+   not these. */
+PetscErrorCode LearnedPart(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
   const Learned self = rod->learned;
   const PetscInt fields = rod->model->fields, from = PetscMax(rod->first - 1, 0),
                  to = PetscMin(rod->end, rod->last);
@@ -124,8 +119,8 @@ static PetscErrorCode Part(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
   PetscFunctionReturn(0);
 }
 
-/* What the last rank has of a signal, to all. */
-static PetscErrorCode FromLastRank(const Rod rod, PetscReal signal[]) {
+/* LearnedFromLastRank - what the last rank has of a signal, to all. */
+PetscErrorCode LearnedFromLastRank(const Rod rod, PetscReal signal[]) {
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
@@ -135,20 +130,15 @@ static PetscErrorCode FromLastRank(const Rod rod, PetscReal signal[]) {
   PetscFunctionReturn(0);
 }
 
-/* ... among its states. */
-static PetscErrorCode ShareSignal(Rod rod, const PetscReal *states, PetscReal signal[]) {
+/* LearnedShareSignal - ... among its states. */
+PetscErrorCode LearnedShareSignal(Rod rod, const PetscReal *states, PetscReal signal[]) {
   PetscFunctionBegin;
   if (!rod->learned->at_tip) PetscFunctionReturn(0);
   if (rod->end > rod->last)
-    memcpy(signal, states + SignalPlace(rod) * rod->learned->per,
+    memcpy(signal, states + LearnedSignalPlace(rod) * rod->learned->per,
            (size_t)rod->learned->bends * sizeof(*signal));
-  PetscCall(FromLastRank(rod, signal));
+  PetscCall(LearnedFromLastRank(rod, signal));
   PetscFunctionReturn(0);
-}
-
-/* Is a place that where material comes in? */
-static PetscBool IsBorn(const Rod rod, PetscInt place) {
-  return (PetscBool)(rod->learned->born && place == 2);
 }
 
 /* LearnedFront - does a front go along the rod, between what was there at first and what has come
@@ -164,12 +154,12 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   Learned self = rod->learned;
 
   PetscFunctionBegin;
-  PetscCall(Part(rod, at->U, self->u, self->k));
-  PetscCall(Part(rod, at->U_t, self->u_t, self->k_t));
+  PetscCall(LearnedPart(rod, at->U, self->u, self->k));
+  PetscCall(LearnedPart(rod, at->U_t, self->u_t, self->k_t));
   self->born = (PetscBool)(rod->first == 0 && rod->scene->growth->slides &&
                            GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
-  PetscCall(ShareSignal(rod, self->k, self->signal));
-  PetscCall(ShareSignal(rod, self->k_t, self->signal_t));
+  PetscCall(LearnedShareSignal(rod, self->k, self->signal));
+  PetscCall(LearnedShareSignal(rod, self->k_t, self->signal_t));
   for (int b = 0; b < TROPISM_BENDS; b++)
     self->nutation[b] = TropismNutation(&rod->scene->tropism, b, at->t);
   PetscFunctionReturn(0);
@@ -194,8 +184,8 @@ PetscErrorCode LearnedFilled(Rod rod, Vec F) {
 
   PetscFunctionBegin;
   if (rod->end > rod->last && !self->at_tip) /* places that are none: they stay 0 */
-    PetscCall(PetscArraycpy(self->rows + SignalPlace(rod) * self->per,
-                            self->k + SignalPlace(rod) * self->per, self->per));
+    PetscCall(PetscArraycpy(self->rows + LearnedSignalPlace(rod) * self->per,
+                            self->k + LearnedSignalPlace(rod) * self->per, self->per));
   PetscCall(VecGetArrayWrite(F, (PetscScalar **)&f));
   for (PetscInt n = 0; n < rod->end - rod->first; n++) {
     memcpy(f + n * fields, self->row + n * self->mech, (size_t)self->mech * sizeof(*f));
@@ -214,8 +204,8 @@ void LearnedResidual(Rod rod, PetscInt place, const LearnedPoint *point) {
   const PetscReal *k = self->k + place * self->per, *k_t = self->k_t + place * self->per;
   PetscReal *row = self->rows + place * self->per;
 
-  for (PetscInt c = 0; c < self->per && IsBorn(rod, place); c++) row[c] = k[c];
-  if (IsBorn(rod, place)) return;
+  for (PetscInt c = 0; c < self->per && LearnedIsBorn(rod, place); c++) row[c] = k[c];
+  if (LearnedIsBorn(rod, place)) return;
   for (PetscInt b = 0; b < self->bends; b++) {
     const PetscReal f = self->at_tip      ? self->signal[b]
                         : self->remembers ? k[self->bends + b]
@@ -232,332 +222,12 @@ void LearnedSignalResidual(Rod rod, const PetscReal sensed[]) {
   Learned self = rod->learned;
 
   for (PetscInt b = 0; b < self->bends; b++)
-    self->rows[SignalPlace(rod) * self->per + b] =
+    self->rows[LearnedSignalPlace(rod) * self->per + b] =
         rod->scene->tropism.memory * self->signal_t[b] + self->signal[b] - sensed[b];
 }
 
-/* ---- what a linear solve eliminates ---- */
-
-/* The row of a place from its slopes; shift: of its first state. n, bends: as in LearnedCreate(),
-   here and below, where the compiler knows them. */
-ALWAYS_INLINE void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
-                           const PetscReal shift[], PetscInt n, PetscInt bends, LearnedRow *row) {
-  const Learned self = rod->learned;
-  const Tropism *law = &rod->scene->tropism;
-  const PetscReal a = self->clock[place];
-
-  if (IsBorn(rod, place)) {
-    *row = (LearnedRow){.own = {1, 1}, .own_memory = {1, 1}};
-    return;
-  }
-  row->clock = a;
-  for (PetscInt b = 0; b < bends; b++) {
-    const PetscReal memory = self->remembers ? 1 + law->memory * shift[bends + b] : 1,
-                    own = shift[b] + a * law->proprioception,
-                    senses = self->at_tip ? 0 : a / (own * memory),
-                    gives = a / own * (law->ironing - law->proprioception);
-    row->own[b] = own;
-    row->own_memory[b] = memory;
-    row->signal[b] = self->at_tip ? a / own : 0;
-    for (PetscInt f = 0; f < n; f++)
-      row->by[b][f] = senses * slope->sensed[b][f] + gives * slope->elastic[b][f];
-  }
-  if (self->remembers) memcpy(row->sensed, slope->sensed, sizeof(row->sensed));
-}
-
-/* LearnedNodeSlope - that of node i: before the cells beside it are condensed. shift: of all
-   fields. */
-void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal shift[]) {
-  const PetscInt at = i - rod->first + 1;
-  LearnedRow *row = &rod->learned->node[at];
-
-  if (rod->learned->mech == LINE_FIELDS)
-    MakeRow(rod, 2 * at, slope, shift + LINE_FIELDS, LINE_FIELDS, 1, row);
-  else
-    MakeRow(rod, 2 * at, slope, shift + WIDE_FIELDS, WIDE_FIELDS, TROPISM_BENDS, row);
-}
-
-/* y += s x, of the mechanics' unknowns. */
-ALWAYS_INLINE void Add(PetscInt n, PetscReal s, const PetscReal x[], PetscReal y[]) {
-  for (PetscInt f = 0; f < n; f++) y[f] += s * x[f];
-}
-
-ALWAYS_INLINE PetscReal Times(PetscInt n, const PetscReal x[], const PetscReal y[]) {
-  PetscReal sum = 0;
-
-  for (PetscInt f = 0; f < n; f++) sum += x[f] * y[f];
-  return sum;
-}
-
-/* J += column row, of n unknowns. */
-ALWAYS_INLINE void AddOuter(PetscInt n, const PetscReal column[], const PetscReal row[],
-                            PetscReal *J) {
-  for (PetscInt i = 0; i < n; i++)
-    if (column[i] != 0)
-      for (PetscInt j = 0; j < n; j++) J[i * n + j] += column[i] * row[j];
-}
-
-/* The bends in the middle of a cell by the unknowns and the bends at both ends. */
-ALWAYS_INLINE void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell,
-                           const PetscReal shift[], PetscInt n, PetscInt bends,
-                           LearnedFactor *factor) {
-  const Learned self = rod->learned;
-  LearnedRow *row = &factor->at_mid;
-
-  MakeRow(rod, place, &cell->slope[1], shift + n + self->per, n, bends, row);
-  for (PetscInt b = 0; b < bends; b++)
-    for (int e = 0; e < 2; e++) {
-      memset(factor->mid[e][b], 0, sizeof(factor->mid[e][b]));
-      for (PetscInt f = 0; f < n; f++)
-        if (row->by[b][f] != 0) Add(n, row->by[b][f], cell->by_node[e][f], factor->mid[e][b]);
-      for (PetscInt c = 0; c < bends; c++)
-        factor->chain[e][b][c] = Times(n, row->by[b], cell->by_bend[e][c]);
-      if (!self->remembers) continue;
-      memset(factor->sensed[e][b], 0, sizeof(factor->sensed[e][b]));
-      for (PetscInt f = 0; f < n; f++)
-        Add(n, row->sensed[b][f], cell->by_node[e][f], factor->sensed[e][b]);
-      for (PetscInt c = 0; c < bends; c++)
-        factor->sensed_chain[e][b][c] = Times(n, row->sensed[b], cell->by_bend[e][c]);
-    }
-}
-
-ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
-                            PetscInt n, PetscInt bends, PetscReal *left, PetscReal *right) {
-  const Learned self = rod->learned;
-  const PetscInt at = i - rod->first + 1;
-  LearnedFactor *factor = &self->cell[at];
-  PetscReal *const J[2] = {left, right};
-
-  MakeMid(rod, 2 * at + 1, cell, shift, n, bends, factor);
-  memcpy(factor->column, cell->column, sizeof(factor->column));
-  for (int e = 0; e < 2; e++) {
-    const LearnedRow *end = &self->node[at + e];
-    for (PetscInt b = 0; b < bends; b++) {
-      PetscReal mid[LEARNED_MOST];
-      memcpy(mid, factor->mid[e][b], sizeof(mid));
-      for (PetscInt c = 0; c < bends; c++) Add(n, factor->chain[e][b][c], end->by[c], mid);
-      AddOuter(n, cell->column[2 * e][b], end->by[b], J[e]);
-      AddOuter(n, cell->column[1][b], mid, J[e]);
-    }
-  }
-}
-
-/*
-  LearnedCondense - adds to the derivatives of the equations of the cell behind node i by its nodes
-  what comes of the bends learned in it: with dk = free + by.d,
-
-    dF/dy += dF/dk by,   and off the right-hand side goes dF/dk free (LearnedSolve()).
-*/
-void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
-                     PetscReal *left, PetscReal *right) {
-  if (rod->learned->mech == LINE_FIELDS)
-    Condense(rod, i, cell, shift, LINE_FIELDS, 1, left, right); /* (the compiler unrolls it) */
-  else
-    Condense(rod, i, cell, shift, WIDE_FIELDS, TROPISM_BENDS, left, right);
-}
-
-/* LearnedRows - what LearnedCondense() finds of the middle of a cell, for LearnedMatrix(). */
-void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]) {
-  const PetscInt at = i - rod->first + 1;
-
-  MakeMid(rod, 2 * at + 1, cell, shift, rod->learned->mech, rod->learned->bends,
-          &rod->learned->cell[at]);
-}
-
-/* LearnedSignalSlope - of the tip's signal by the last node's unknowns. */
-void LearnedSignalSlope(Rod rod, const LearnedSlope *slope, const PetscReal shift[]) {
-  Learned self = rod->learned;
-
-  for (PetscInt b = 0; b < self->bends; b++) {
-    const PetscReal own = 1 + rod->scene->tropism.memory * shift[self->mech + self->per + b];
-    self->tip_own[b] = own;
-    for (PetscInt f = 0; f < self->mech; f++) self->tip[b][f] = slope->sensed[b][f] / own;
-  }
-}
-
-/* LearnedCondensed - all cells are, and the mechanics eliminated. */
-void LearnedCondensed(Rod rod, Elimination elimination) {
-  rod->learned->elimination = elimination;
-  rod->learned->bordered = PETSC_FALSE;
-}
-
-/* free of the states of all places of this rank, from a right-hand side taken apart. */
-static void FreeOf(const Rod rod, const PetscReal *b) {
-  const Learned self = rod->learned;
-  const PetscInt from = PetscMax(rod->first - 1, 0), to = PetscMin(rod->end, rod->last);
-
-  for (PetscInt i = from; i <= to; i++)
-    for (int half = 0; half < 2 && (!half || i < to); half++) {
-      const PetscInt at = i - rod->first + 1, place = 2 * at + half;
-      const LearnedRow *row = half ? &self->cell[at].at_mid : &self->node[at];
-      for (PetscInt c = 0; c < self->bends; c++) {
-        const PetscReal *rhs = b + place * self->per;
-        PetscReal sum = rhs[c];
-        if (self->remembers) sum += row->clock * rhs[self->bends + c] / row->own_memory[c];
-        self->free[place * self->per + c] = sum / row->own[c];
-      }
-    }
-}
-
-/* r -= dF/dk of a cell times bends at a, in its middle and at b, those of the ends by the chain,
-   too. */
-static void CellTimes(const Learned self, const LearnedFactor *factor, const PetscReal *a,
-                      const PetscReal *mid, const PetscReal *b, PetscReal r[]) {
-  const PetscReal *end[2] = {a, b};
-
-  for (PetscInt c = 0; c < self->bends; c++) {
-    PetscReal in = mid[c];
-    for (int e = 0; e < 2; e++) {
-      Add(self->mech, -end[e][c], factor->column[2 * e][c], r);
-      for (PetscInt d = 0; d < self->bends; d++) in += factor->chain[e][c][d] * end[e][d];
-    }
-    Add(self->mech, -in, factor->column[1][c], r);
-  }
-}
-
-/* The rows of a cell are those of the node behind it and of the one before it. */
-static void PutCell(const Rod rod, PetscInt i, const PetscReal r[], PetscReal *b) {
-  const Learned self = rod->learned;
-  const PetscInt half = rod->model->halves[0], n = i - rod->first;
-
-  if (i >= rod->first) Add(self->mech - half, 1, r + half, b + n * self->mech + half);
-  if (i + 1 < rod->end) Add(half, 1, r, b + (n + 1) * self->mech);
-}
-
-/* b, of owned nodes, less what states do by themselves. */
-static void Fold(const Rod rod, PetscReal *b) {
-  const Learned self = rod->learned;
-
-  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
-    const PetscInt at = i - rod->first + 1;
-    const PetscReal *k = self->free + 2 * at * self->per;
-    PetscReal r[LEARNED_MOST] = {0};
-    CellTimes(self, &self->cell[at], k, k + self->per, k + 2 * self->per, r);
-    PutCell(rod, i, r, b);
-  }
-}
-
-/* w, what a signal of 1 does to the equations of the owned nodes. */
-static void BorderOf(const Rod rod, PetscInt bend, PetscReal *w) {
-  const Learned self = rod->learned;
-
-  memset(w, 0, (size_t)((rod->end - rod->first) * self->mech) * sizeof(*w));
-  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
-    const PetscInt at = i - rod->first + 1;
-    PetscReal k[3][TROPISM_BENDS] = {{0}}, r[LEARNED_MOST] = {0};
-    k[0][bend] = self->node[at].signal[bend];
-    k[1][bend] = self->cell[at].at_mid.signal[bend];
-    k[2][bend] = self->node[at + 1].signal[bend];
-    CellTimes(self, &self->cell[at], k[0], k[1], k[2], r);
-    PutCell(rod, i, r, w);
-  }
-}
-
-/* What the tip's signal would be by an owned part of the unknowns; on all ranks. */
-static PetscErrorCode SignalBy(const Rod rod, const PetscReal *x, PetscReal signal[]) {
-  const Learned self = rod->learned;
-
-  PetscFunctionBegin;
-  signal[0] = signal[1] = 0;
-  for (PetscInt b = 0; b < self->bends && rod->end > rod->last; b++)
-    signal[b] = Times(self->mech, self->tip[b], x + (rod->last - rod->first) * self->mech);
-  PetscCall(FromLastRank(rod, signal));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode SolveMechanics(const Learned self, const PetscReal *b, PetscReal *x) {
-  PetscFunctionBegin;
-  PetscCall(EliminationSolve(self->elimination, (const PetscReal(*)[LINE_FIELDS])b,
-                             (PetscReal(*)[LINE_FIELDS])x));
-  PetscFunctionReturn(0);
-}
-
-/*
-  Border - the signal sees the tip, and all of the rod sees the signal: with d(signal) = free + v.d,
-
-    (J - w v) d = b + w free,   d = y + z c,  J y = b + w free, J z = w,  (1 - v z) c = v y.
-*/
-static PetscErrorCode Border(const Rod rod) {
-  const Learned self = rod->learned;
-  PetscReal M[TROPISM_BENDS][TROPISM_BENDS] = {{1, 0}, {0, 1}}, signal[TROPISM_BENDS], det;
-
-  PetscFunctionBegin;
-  for (PetscInt b = 0; b < self->bends; b++) {
-    BorderOf(rod, b, self->b);
-    PetscCall(SolveMechanics(self, self->b, self->border[b]));
-    PetscCall(SignalBy(rod, self->border[b], signal));
-    for (PetscInt c = 0; c < self->bends; c++) M[c][b] -= signal[c];
-  }
-  det = M[0][0] * M[1][1] - M[0][1] * M[1][0];
-  self->inverse[0][0] = M[1][1] / det;
-  self->inverse[1][1] = M[0][0] / det;
-  self->inverse[0][1] = -M[0][1] / det;
-  self->inverse[1][0] = -M[1][0] / det;
-  self->bordered = PETSC_TRUE;
-  PetscFunctionReturn(0);
-}
-
-/* x of the mechanics, from b folded; rhs: of the signal, on exit how that changes. */
-static PetscErrorCode SolveBordered(const Rod rod, PetscReal signal[]) {
-  const Learned self = rod->learned;
-  const PetscInt n = (rod->end - rod->first) * self->mech;
-  PetscReal by[TROPISM_BENDS], c[TROPISM_BENDS];
-
-  PetscFunctionBegin;
-  PetscCall(SolveMechanics(self, self->b, self->x));
-  if (!self->at_tip) PetscFunctionReturn(0);
-  for (PetscInt b = 0; b < self->bends; b++) Add(n, signal[b], self->border[b], self->x);
-  PetscCall(SignalBy(rod, self->x, by));
-  for (PetscInt b = 0; b < self->bends; b++) {
-    c[b] = self->inverse[b][0] * by[0] + self->inverse[b][1] * by[1];
-    Add(n, c[b], self->border[b], self->x);
-    signal[b] += c[b];
-  }
-  PetscFunctionReturn(0);
-}
-
-/* The states of node i, once the mechanics of it are known. */
-static void UnfoldNode(const Rod rod, PetscInt i, const PetscReal signal[], PetscReal *k) {
-  const Learned self = rod->learned;
-  const PetscInt at = i - rod->first + 1, n = self->mech, per = self->per;
-  const LearnedRow *row = &self->node[at];
-  const PetscReal *x = self->beside + at * n, *rhs = self->rhs + 2 * at * per;
-
-  for (PetscInt b = 0; b < self->bends; b++) {
-    k[b] = self->free[2 * at * per + b] + Times(n, row->by[b], x) + row->signal[b] * signal[b];
-    if (self->remembers)
-      k[self->bends + b] =
-          (rhs[self->bends + b] + Times(n, row->sensed[b], x)) / row->own_memory[b];
-  }
-}
-
-/* ... in the middle of the cell behind it, between those, k[0] and k[2]. */
-static void UnfoldMid(const Rod rod, PetscInt i, const PetscReal signal[], PetscReal *k) {
-  const Learned self = rod->learned;
-  const PetscInt at = i - rod->first + 1, place = 2 * at + 1, n = self->mech, per = self->per;
-  const LearnedFactor *cell = &self->cell[at];
-  const PetscReal *rhs = self->rhs + place * per,
-                  *x[2] = {self->beside + at * n, self->beside + (at + 1) * n},
-                  *end[2] = {k, k + 2 * per};
-  PetscReal *mid = k + per;
-
-  for (PetscInt b = 0; b < self->bends; b++) {
-    PetscReal sensed = 0;
-    mid[b] = self->free[place * per + b] + cell->at_mid.signal[b] * signal[b];
-    for (int e = 0; e < 2; e++) {
-      mid[b] += Times(n, cell->mid[e][b], x[e]);
-      for (PetscInt c = 0; c < self->bends; c++) mid[b] += cell->chain[e][b][c] * end[e][c];
-      if (!self->remembers) continue;
-      sensed += Times(n, cell->sensed[e][b], x[e]);
-      for (PetscInt c = 0; c < self->bends; c++) sensed += cell->sensed_chain[e][b][c] * end[e][c];
-    }
-    if (self->remembers)
-      mid[self->bends + b] = (rhs[self->bends + b] + sensed) / cell->at_mid.own_memory[b];
-  }
-}
-
-/* Writes owned mechanics, or states of places, into a vector. */
-static PetscErrorCode Put(Rod rod, const PetscReal *mech, const PetscReal *states, Vec V) {
+/* LearnedPut - writes owned mechanics, or states of places, into a vector. */
+PetscErrorCode LearnedPut(Rod rod, const PetscReal *mech, const PetscReal *states, Vec V) {
   const Learned self = rod->learned;
   const PetscInt fields = rod->model->fields;
   PetscReal *v;
@@ -574,68 +244,6 @@ static PetscErrorCode Put(Rod rod, const PetscReal *mech, const PetscReal *state
   PetscFunctionReturn(0);
 }
 
-/* LearnedSolve - x of J x = b for what was condensed and eliminated last. Collective. */
-PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
-  const Learned self = rod->learned;
-  const PetscInt from = PetscMax(rod->first - 1, 0), to = PetscMin(rod->end, rod->last),
-                 owned = (rod->end - rod->first) * self->mech;
-  PetscReal signal[TROPISM_BENDS] = {0}, *k = self->free;
-
-  PetscFunctionBegin;
-  if (self->at_tip && !self->bordered) PetscCall(Border(rod));
-  PetscCall(Part(rod, b, self->beside, self->rhs));
-  for (PetscInt c = 0; c < self->bends && self->at_tip && rod->end > rod->last; c++)
-    self->rhs[SignalPlace(rod) * self->per + c] /= self->tip_own[c];
-  PetscCall(ShareSignal(rod, self->rhs, signal));
-  FreeOf(rod, self->rhs);
-  PetscCall(PetscArraycpy(self->b, self->beside + self->mech, owned));
-  Fold(rod, self->b);
-  PetscCall(SolveBordered(rod, signal));
-  PetscCall(Put(rod, self->x, NULL, x));
-  PetscCall(Part(rod, x, self->beside, NULL));
-  for (PetscInt i = from; i <= to; i++)
-    UnfoldNode(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
-  for (PetscInt i = from; i < to; i++)
-    UnfoldMid(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
-  if (rod->end > rod->last)
-    memcpy(k + SignalPlace(rod) * self->per,
-           self->at_tip ? signal : self->rhs + SignalPlace(rod) * self->per,
-           (size_t)self->bends * sizeof(*k));
-  PetscCall(Put(rod, NULL, k, x));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode SetUp(PC pc) {
-  Rod rod;
-
-  PetscFunctionBegin;
-  PetscCall(PCShellGetContext(pc, &rod));
-  PetscCall(PCSetFailedReason(pc, EliminationRegular(rod->learned->elimination)
-                                      ? PC_NOERROR
-                                      : PC_FACTOR_NUMERIC_ZEROPIVOT));
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode Apply(PC pc, Vec b, Vec x) {
-  Rod rod;
-
-  PetscFunctionBegin;
-  PetscCall(PCShellGetContext(pc, &rod));
-  PetscCall(LearnedSolve(rod, b, x));
-  PetscFunctionReturn(0);
-}
-
-/* LearnedSetType - makes a PC the exact solver of what has been condensed when it is set up; the
-   rod must outlive it. */
-PetscErrorCode LearnedSetType(PC pc, Rod rod, Elimination elimination) {
-  PetscFunctionBegin;
-  PetscCall(EliminationSetType(pc, elimination));
-  PetscCall(PCShellSetContext(pc, rod));
-  PetscCall(PCShellSetSetUp(pc, SetUp));
-  PetscCall(PCShellSetApply(pc, Apply));
-  PetscFunctionReturn(0);
-}
-
 /* LearnedGet - what owned nodes, and the middles of the cells behind them, have learned, and what
    they go by. Collective. */
 PetscErrorCode LearnedGet(Rod rod, Vec U, Node *nodes) {
@@ -643,8 +251,8 @@ PetscErrorCode LearnedGet(Rod rod, Vec U, Node *nodes) {
   PetscReal signal[TROPISM_BENDS] = {0}, *states = self->rhs;
 
   PetscFunctionBegin;
-  PetscCall(Part(rod, U, self->beside, states));
-  PetscCall(ShareSignal(rod, states, signal));
+  PetscCall(LearnedPart(rod, U, self->beside, states));
+  PetscCall(LearnedShareSignal(rod, states, signal));
   for (PetscInt i = rod->first; i < rod->end; i++)
     for (int half = 0; half < 2; half++)
       for (PetscInt b = 0; b < self->bends; b++) {
@@ -673,338 +281,6 @@ PetscErrorCode LearnedSet(Rod rod, const Node *nodes, Vec U) {
         k[b] = !ends ? learned->bend[b] : self->at_tip ? learned->signal[b] : 0;
         if (self->remembers && !ends) k[self->bends + b] = learned->signal[b];
       }
-  PetscCall(Put(rod, NULL, states, U));
-  PetscFunctionReturn(0);
-}
-
-/* ---- material that slides past the labels ---- */
-
-/* The labels of places, two a node; that behind the tip is none. */
-static PetscReal Label(const Rod rod, PetscInt place) {
-  const PetscReal *s = rod->scene->mesh.s;
-
-  return place % 2 ? (s[place / 2] + s[place / 2 + 1]) / 2 : s[place / 2];
-}
-
-/* Beyond the clamp of a rod that is fed the field goes on oddly: what is fed in has learned
-   nothing. Arrays of places have so many before the first. */
-enum { STENCIL = LEARNED_STENCIL, BEYOND = STENCIL / 2 - 1 };
-
-static void GoOnOddly(PetscInt width, PetscReal *first) {
-  for (PetscInt k = 1; k <= BEYOND; k++)
-    for (PetscInt c = 0; c < width; c++) first[-k * width + c] = -first[k * width + c];
-}
-
-/* What the weights of places first .. first + STENCIL - 1 are divided by, for all first places from
-   -BEYOND on. */
-static void FindDivisors(const PetscReal *label, PetscInt last, PetscReal (*over)[STENCIL]) {
-  for (PetscInt first = -BEYOND; first + STENCIL <= last + 1; first++)
-    for (int i = 0; i < STENCIL; i++) {
-      PetscReal product = 1;
-      for (int j = 0; j < STENCIL; j++)
-        if (j != i) product *= label[first + i] - label[first + j];
-      over[first + BEYOND][i] = 1 / product;
-    }
-}
-
-/* The weights of places for a value at a label, by the labels of these. */
-static void Weights(const PetscReal label[STENCIL], const PetscReal over[STENCIL], PetscReal at,
-                    PetscReal w[STENCIL]) {
-  PetscReal away[STENCIL], before = 1, behind = 1;
-
-  for (int i = 0; i < STENCIL; i++) {
-    away[i] = at - label[i];
-    w[i] = over[i] * before;
-    before *= away[i];
-  }
-  for (int i = STENCIL - 1; i >= 0; i--) {
-    w[i] *= behind;
-    behind *= away[i];
-  }
-}
-
-/* The labels of all places, and what goes with them: once, for the mesh stays. */
-static PetscErrorCode FindLabels(Rod rod) {
-  Learned self = rod->learned;
-  const PetscInt last = 2 * rod->last;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(BEYOND + last + 1, &self->label));
-  PetscCall(PetscMalloc1((last + 1) * STENCIL, (PetscReal **)&self->over));
-  for (PetscInt i = 0; i <= last; i++) self->label[BEYOND + i] = Label(rod, i);
-  GoOnOddly(1, self->label + BEYOND);
-  FindDivisors(self->label + BEYOND, last, self->over);
-  PetscFunctionReturn(0);
-}
-
-/* All places of a vector's states, node after node, on every rank; and those beyond the clamp. */
-static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
-  const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields, width = 2 * self->per, n = rod->end - rod->first;
-  const PetscScalar *v;
-  PetscMPIInt ranks, *many, *from;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetArrayRead(V, &v));
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt f = 0; f < width; f++)
-      all[(rod->first + i) * width + f] = PetscRealPart(v[i * fields + self->mech + f]);
-  PetscCall(VecRestoreArrayRead(V, &v));
-  if (rod->alone) {
-    GoOnOddly(self->per, all);
-    PetscFunctionReturn(0);
-  }
-  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
-  PetscCall(PetscMalloc2(ranks, &many, ranks, &from));
-  {
-    const PetscMPIInt mine[2] = {(PetscMPIInt)(n * width), (PetscMPIInt)(rod->first * width)};
-    PetscCallMPI(MPI_Allgather(&mine[0], 1, MPI_INT, many, 1, MPI_INT, rod->scene->comm));
-    PetscCallMPI(MPI_Allgather(&mine[1], 1, MPI_INT, from, 1, MPI_INT, rod->scene->comm));
-  }
-  PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, many, from, MPIU_REAL,
-                              rod->scene->comm));
-  PetscCall(PetscFree2(many, from));
-  GoOnOddly(self->per, all);
-  PetscFunctionReturn(0);
-}
-
-/* The states of one place where the material was that is at a label. place: one at or before it,
-   where to look; least: the first place there is, below 0 where material comes in. */
-static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all, PetscInt least,
-                     PetscReal at, PetscInt *place, PetscReal k[]) {
-  const PetscInt per = rod->learned->per, last = 2 * rod->last;
-  const PetscReal sign = at < 0 ? -1 : 1;
-  PetscReal w[STENCIL];
-  PetscInt first;
-
-  at = PetscMin(1, PetscAbsReal(at));
-  if (label[*place] > at) *place = 0;
-  while (*place + 1 < last && label[*place + 1] <= at) (*place)++;
-  first = PetscMax(least, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
-  Weights(label + first, rod->learned->over[first + BEYOND], at, w);
-  for (PetscInt c = 0; c < per; c++) {
-    k[c] = 0;
-    for (int i = 0; i < STENCIL; i++) k[c] += sign * w[i] * all[(first + i) * per + c];
-  }
-}
-
-/* LearnedCarries - do states go along with material that slides past the labels? */
-PetscBool LearnedCarries(const Rod rod) {
-  return (PetscBool)(rod->learned && rod->scene->growth->slides);
-}
-
-/* LearnedTimesRate - V, a change of rates, becomes what it changes the equations of states by. */
-PetscErrorCode LearnedTimesRate(Rod rod, Vec V) {
-  const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields;
-  PetscScalar *v;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetArray(V, &v));
-  for (PetscInt i = 0; i < rod->end - rod->first; i++)
-    for (PetscInt f = 0; f < fields; f++)
-      v[i * fields + f] *= f < self->mech ? 0
-                           : self->remembers && (f - self->mech) % self->per >= self->bends
-                               ? rod->scene->tropism.memory
-                               : 1;
-  PetscCall(VecRestoreArray(V, &v));
-  PetscFunctionReturn(0);
-}
-
-/*
-  LearnedCarry - makes of a sum of points times their weights, at fixed labels, one along the
-  material: to U_t that is D/Dt then (docs/theory/growth.md). Of a rod of which LearnedCarries();
-  collective.
-
-  t, times  of the sum, and of its points, which are earlier
-  weight    of each point, for each field
-*/
-PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
-                            const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum) {
-  const Learned self = rod->learned;
-  const Growth growth = rod->scene->growth;
-  const PetscInt fields = rod->model->fields, per = self->per, last = 2 * rod->last,
-                 begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1),
-                 least = LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? -BEYOND : 0;
-  const PetscReal *label;
-  PetscReal *from, *room, *all, k[2 * TROPISM_BENDS];
-  PetscScalar *x;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc2(last + 1, &from, (BEYOND + last + 2) * per, &room));
-  if (!self->label) PetscCall(FindLabels(rod));
-  label = self->label + BEYOND;
-  all = room + BEYOND * per;
-  PetscCall(VecGetArray(sum, &x));
-  for (PetscInt j = 0; j < m; j++) {
-    PetscInt at = 0;
-    PetscCall(AllStates(rod, points[j], all));
-    PetscCall(growth->depart(growth, t, times[j], end - begin, label + begin, from));
-    for (PetscInt i = begin; i < end; i++) {
-      PetscScalar *to = x + (i / 2 - rod->first) * fields + self->mech + i % 2 * per;
-      const PetscReal *w = weight[j] + self->mech + i % 2 * per;
-      StatesAt(rod, label, all, least, from[i - begin], &at, k);
-      for (PetscInt c = 0; c < per; c++) to[c] += w[c] * (k[c] - all[i * per + c]);
-    }
-  }
-  PetscCall(VecRestoreArray(sum, &x));
-  PetscCall(PetscFree2(from, room));
-  PetscFunctionReturn(0);
-}
-
-/* ---- the same equations in a matrix ---- */
-
-/* The rows of a node, by its neighbour towards the clamp, itself, the other one, and the last. */
-enum { BESIDE = 4, OWN = 1 };
-
-typedef struct {
-  PetscInt width; /* of a row */
-  PetscReal *v;
-} Rows;
-
-static inline PetscReal *Entry(const Rod rod, const Rows *rows, PetscInt row, PetscInt block,
-                               PetscInt column) {
-  return rows->v + row * rows->width + block * rod->model->fields + column;
-}
-
-/* Where the signal's column is for node i. */
-static PetscInt SignalBlock(const Rod rod, PetscInt i) {
-  const PetscInt away = rod->last - i;
-
-  return away > 1 ? BESIDE - 1 : OWN + away;
-}
-
-/* Rows of the states of place `half` of node i, but for what they are by mechanics: by themselves,
-   and by the signal. */
-static void PutOwn(const Rod rod, PetscInt i, int half, const LearnedRow *row, const Rows *rows) {
-  const Learned self = rod->learned;
-  const PetscInt first = self->mech + half * self->per, signal = self->mech + self->per;
-
-  for (PetscInt b = 0; b < self->bends; b++) {
-    const PetscInt memory = first + self->bends + b;
-    *Entry(rod, rows, first + b, OWN, first + b) += row->own[b];
-    if (self->at_tip) *Entry(rod, rows, first + b, SignalBlock(rod, i), signal + b) -= row->clock;
-    if (!self->remembers) continue;
-    *Entry(rod, rows, first + b, OWN, memory) -= row->clock;
-    *Entry(rod, rows, memory, OWN, memory) += row->own_memory[b];
-  }
-}
-
-/* What the states of a place are by the unknowns of a point: -a (S' + (I - G) E'), and -S'. */
-static void OfPoint(const Rod rod, PetscReal clock, const LearnedSlope *slope, PetscInt b,
-                    PetscReal bend[], PetscReal memory[]) {
-  const Learned self = rod->learned;
-  const Tropism *law = &rod->scene->tropism;
-  const PetscBool at_once = (PetscBool) !(self->remembers || self->at_tip);
-
-  for (PetscInt f = 0; f < self->mech; f++) {
-    bend[f] = -clock * ((at_once ? slope->sensed[b][f] : 0) +
-                        (law->ironing - law->proprioception) * slope->elastic[b][f]);
-    memory[f] = -slope->sensed[b][f];
-  }
-}
-
-static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const Rows *rows) {
-  const Learned self = rod->learned;
-  const LearnedRow *row = &self->node[i - rod->first + 1];
-
-  PutOwn(rod, i, 0, row, rows);
-  if (IsBorn(rod, 2 * (i - rod->first + 1))) return;
-  for (PetscInt b = 0; b < self->bends; b++) {
-    PetscReal of[2][LEARNED_MOST];
-    OfPoint(rod, row->clock, slope, b, of[0], of[1]);
-    for (int k = 0; k < (self->remembers ? 2 : 1); k++)
-      Add(self->mech, 1, of[k], Entry(rod, rows, self->mech + k * self->bends + b, OWN, 0));
-  }
-}
-
-static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Rows *rows) {
-  const Learned self = rod->learned;
-  const LearnedRow *row = &self->cell[i - rod->first + 1].at_mid;
-  const PetscInt first = self->mech + self->per;
-
-  PutOwn(rod, i, 1, row, rows);
-  for (PetscInt b = 0; b < self->bends; b++) {
-    PetscReal of[2][LEARNED_MOST];
-    OfPoint(rod, row->clock, &cell->slope[1], b, of[0], of[1]);
-    for (int k = 0; k < (self->remembers ? 2 : 1); k++)
-      for (int e = 0; e < 2; e++) {
-        const PetscInt at = first + k * self->bends + b;
-        for (PetscInt f = 0; f < self->mech; f++)
-          Add(self->mech, of[k][f], cell->by_node[e][f], Entry(rod, rows, at, OWN + e, 0));
-        for (PetscInt c = 0; c < self->bends; c++)
-          *Entry(rod, rows, at, OWN + e, self->mech + c) +=
-              Times(self->mech, of[k], cell->by_bend[e][c]);
-      }
-  }
-}
-
-/* Equations from .. to - 1 of a cell, whose nodes are the blocks a and a + 1 of the rows. */
-static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal *left,
-                         const PetscReal *right, PetscInt from, PetscInt to, PetscInt a,
-                         const Rows *rows) {
-  const Learned self = rod->learned;
-  const PetscReal *J[2] = {left, right};
-
-  for (PetscInt r = from; r < to; r++) {
-    for (int e = 0; e < 2; e++) {
-      Add(self->mech, 1, J[e] + r * self->mech, Entry(rod, rows, r, a + e, 0));
-      for (PetscInt b = 0; b < self->bends; b++)
-        *Entry(rod, rows, r, a + e, self->mech + b) += cell->column[2 * e][b][r];
-    }
-    for (PetscInt b = 0; b < self->bends; b++)
-      *Entry(rod, rows, r, a, self->mech + self->per + b) += cell->column[1][b][r];
-  }
-}
-
-/* The last node's own: the tip's signal, and places that are none. */
-static void PutLast(const Rod rod, const Rows *rows) {
-  const Learned self = rod->learned;
-  const PetscInt first = self->mech + self->per;
-
-  for (PetscInt c = 0; c < self->per; c++)
-    *Entry(rod, rows, first + c, OWN, first + c) = self->at_tip ? self->tip_own[c] : 1;
-  for (PetscInt b = 0; b < self->bends && self->at_tip; b++)
-    Add(self->mech, -self->tip_own[b], self->tip[b], Entry(rod, rows, first + b, OWN, 0));
-}
-
-/*
-  LearnedMatrix - sets the rows of owned node i, and begins those of the next one. (To be called
-  node after node, from that before the first owned one on, which has none.)
-
-  begin            the equations of the beginning, by its node; NULL: it is another node
-  cell, left, right  of the cell behind it, NULL for the last node
-  own              the last equations of the last node; NULL: it is another one
-  room             2 * fields * 4 * fields numbers, 0 at first
-*/
-PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const LearnedCell *cell,
-                             const PetscReal *left, const PetscReal *right,
-                             const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
-                             Mat J) {
-  const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields, half = rod->model->halves[0],
-                 size = fields * BESIDE * fields;
-  const Rows rows = {.width = BESIDE * fields, .v = room},
-             next = {.width = BESIDE * fields, .v = room + size};
-  const PetscInt cols[BESIDE] = {i - 1, i, i < rod->last ? i + 1 : -1,
-                                 self->at_tip && rod->last > i + 1 ? rod->last : -1};
-
-  PetscFunctionBegin;
-  for (PetscInt r = 0; r < half && begin; r++)
-    Add(self->mech, 1, begin + r * self->mech, Entry(rod, &rows, r, OWN, 0));
-  PutNode(rod, i, slope, &rows);
-  if (cell) {
-    PutEquations(rod, cell, left, right, half, self->mech, OWN, &rows);
-    PutEquations(rod, cell, left, right, 0, half, 0, &next);
-    PutMid(rod, i, cell, &rows);
-  } else {
-    for (PetscInt r = half; r < self->mech; r++)
-      Add(self->mech, 1, own + (r - half) * self->mech, Entry(rod, &rows, r, OWN, 0));
-    PutLast(rod, &rows);
-  }
-  if (i >= rod->first)
-    PetscCall(MatSetValuesBlocked(J, 1, &i, BESIDE, cols, rows.v, INSERT_VALUES));
-  PetscCall(PetscArraycpy(rows.v, next.v, size));
-  PetscCall(PetscArrayzero(next.v, size));
+  PetscCall(LearnedPut(rod, NULL, states, U));
   PetscFunctionReturn(0);
 }

@@ -12,7 +12,7 @@ typedef struct {
   LoadSlope3 load;
 } Slope;
 
-/* The derivatives of the kink that feet leave (space.c), by p in the middle of the cell and by w. */
+/* The derivatives of the kink that feet leave (space.c), by p in the middle of a cell and by w. */
 static void KinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]) {
   const Point *p = cell->mid;
   const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[1].g);

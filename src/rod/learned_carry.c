@@ -1,0 +1,175 @@
+/* What a material has learned where it slides past the labels: states go along with it. */
+#include "rod/learned_parts.h"
+
+/* The labels of places, two a node; that behind the tip is none. */
+static PetscReal Label(const Rod rod, PetscInt place) {
+  const PetscReal *s = rod->scene->mesh.s;
+
+  return place % 2 ? (s[place / 2] + s[place / 2 + 1]) / 2 : s[place / 2];
+}
+
+/* Beyond the clamp of a rod that is fed the field goes on oddly: what is fed in has learned
+   nothing. Arrays of places have so many before the first. */
+enum { STENCIL = LEARNED_STENCIL, BEYOND = STENCIL / 2 - 1 };
+
+static void GoOnOddly(PetscInt width, PetscReal *first) {
+  for (PetscInt k = 1; k <= BEYOND; k++)
+    for (PetscInt c = 0; c < width; c++) first[-k * width + c] = -first[k * width + c];
+}
+
+/* What the weights of places first .. first + STENCIL - 1 are divided by, for all first places from
+   -BEYOND on. */
+static void FindDivisors(const PetscReal *label, PetscInt last, PetscReal (*over)[STENCIL]) {
+  for (PetscInt first = -BEYOND; first + STENCIL <= last + 1; first++)
+    for (int i = 0; i < STENCIL; i++) {
+      PetscReal product = 1;
+      for (int j = 0; j < STENCIL; j++)
+        if (j != i) product *= label[first + i] - label[first + j];
+      over[first + BEYOND][i] = 1 / product;
+    }
+}
+
+/* The weights of places for a value at a label, by the labels of these. */
+static void Weights(const PetscReal label[STENCIL], const PetscReal over[STENCIL], PetscReal at,
+                    PetscReal w[STENCIL]) {
+  PetscReal away[STENCIL], before = 1, behind = 1;
+
+  for (int i = 0; i < STENCIL; i++) {
+    away[i] = at - label[i];
+    w[i] = over[i] * before;
+    before *= away[i];
+  }
+  for (int i = STENCIL - 1; i >= 0; i--) {
+    w[i] *= behind;
+    behind *= away[i];
+  }
+}
+
+/* The labels of all places, and what goes with them: once, for the mesh stays. */
+static PetscErrorCode FindLabels(Rod rod) {
+  Learned self = rod->learned;
+  const PetscInt last = 2 * rod->last;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(BEYOND + last + 1, &self->label));
+  PetscCall(PetscMalloc1((last + 1) * STENCIL, (PetscReal **)&self->over));
+  for (PetscInt i = 0; i <= last; i++) self->label[BEYOND + i] = Label(rod, i);
+  GoOnOddly(1, self->label + BEYOND);
+  FindDivisors(self->label + BEYOND, last, self->over);
+  PetscFunctionReturn(0);
+}
+
+/* All places of a vector's states, node after node, on every rank; and those beyond the clamp. */
+static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
+  const Learned self = rod->learned;
+  const PetscInt fields = rod->model->fields, width = 2 * self->per, n = rod->end - rod->first;
+  const PetscScalar *v;
+  PetscMPIInt ranks, *many, *from;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(V, &v));
+  for (PetscInt i = 0; i < n; i++)
+    for (PetscInt f = 0; f < width; f++)
+      all[(rod->first + i) * width + f] = PetscRealPart(v[i * fields + self->mech + f]);
+  PetscCall(VecRestoreArrayRead(V, &v));
+  if (rod->alone) {
+    GoOnOddly(self->per, all);
+    PetscFunctionReturn(0);
+  }
+  PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
+  PetscCall(PetscMalloc2(ranks, &many, ranks, &from));
+  {
+    const PetscMPIInt mine[2] = {(PetscMPIInt)(n * width), (PetscMPIInt)(rod->first * width)};
+    PetscCallMPI(MPI_Allgather(&mine[0], 1, MPI_INT, many, 1, MPI_INT, rod->scene->comm));
+    PetscCallMPI(MPI_Allgather(&mine[1], 1, MPI_INT, from, 1, MPI_INT, rod->scene->comm));
+  }
+  PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, many, from, MPIU_REAL,
+                              rod->scene->comm));
+  PetscCall(PetscFree2(many, from));
+  GoOnOddly(self->per, all);
+  PetscFunctionReturn(0);
+}
+
+/* The states of one place where the material was that is at a label. place: one at or before it,
+   where to look; least: the first place there is, below 0 where material comes in. */
+static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all, PetscInt least,
+                     PetscReal at, PetscInt *place, PetscReal k[]) {
+  const PetscInt per = rod->learned->per, last = 2 * rod->last;
+  const PetscReal sign = at < 0 ? -1 : 1;
+  PetscReal w[STENCIL];
+  PetscInt first;
+
+  at = PetscMin(1, PetscAbsReal(at));
+  if (label[*place] > at) *place = 0;
+  while (*place + 1 < last && label[*place + 1] <= at) (*place)++;
+  first = PetscMax(least, PetscMin(*place - (STENCIL / 2 - 1), last + 1 - STENCIL));
+  Weights(label + first, rod->learned->over[first + BEYOND], at, w);
+  for (PetscInt c = 0; c < per; c++) {
+    k[c] = 0;
+    for (int i = 0; i < STENCIL; i++) k[c] += sign * w[i] * all[(first + i) * per + c];
+  }
+}
+
+/* LearnedCarries - do states go along with material that slides past the labels? */
+PetscBool LearnedCarries(const Rod rod) {
+  return (PetscBool)(rod->learned && rod->scene->growth->slides);
+}
+
+/* LearnedTimesRate - V, a change of rates, becomes what it changes the equations of states by. */
+PetscErrorCode LearnedTimesRate(Rod rod, Vec V) {
+  const Learned self = rod->learned;
+  const PetscInt fields = rod->model->fields;
+  PetscScalar *v;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArray(V, &v));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++)
+    for (PetscInt f = 0; f < fields; f++)
+      v[i * fields + f] *= f < self->mech ? 0
+                           : self->remembers && (f - self->mech) % self->per >= self->bends
+                               ? rod->scene->tropism.memory
+                               : 1;
+  PetscCall(VecRestoreArray(V, &v));
+  PetscFunctionReturn(0);
+}
+
+/*
+  LearnedCarry - makes of a sum of points times their weights, at fixed labels, one along the
+  material: to U_t that is D/Dt then (docs/theory/growth.md). Of a rod of which LearnedCarries();
+  collective.
+
+  t, times  of the sum, and of its points, which are earlier
+  weight    of each point, for each field
+*/
+PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
+                            const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum) {
+  const Learned self = rod->learned;
+  const Growth growth = rod->scene->growth;
+  const PetscInt fields = rod->model->fields, per = self->per, last = 2 * rod->last,
+                 begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1),
+                 least = LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? -BEYOND : 0;
+  const PetscReal *label;
+  PetscReal *from, *room, *all, k[2 * TROPISM_BENDS];
+  PetscScalar *x;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(last + 1, &from, (BEYOND + last + 2) * per, &room));
+  if (!self->label) PetscCall(FindLabels(rod));
+  label = self->label + BEYOND;
+  all = room + BEYOND * per;
+  PetscCall(VecGetArray(sum, &x));
+  for (PetscInt j = 0; j < m; j++) {
+    PetscInt at = 0;
+    PetscCall(AllStates(rod, points[j], all));
+    PetscCall(growth->depart(growth, t, times[j], end - begin, label + begin, from));
+    for (PetscInt i = begin; i < end; i++) {
+      PetscScalar *to = x + (i / 2 - rod->first) * fields + self->mech + i % 2 * per;
+      const PetscReal *w = weight[j] + self->mech + i % 2 * per;
+      StatesAt(rod, label, all, least, from[i - begin], &at, k);
+      for (PetscInt c = 0; c < per; c++) to[c] += w[c] * (k[c] - all[i * per + c]);
+    }
+  }
+  PetscCall(VecRestoreArray(sum, &x));
+  PetscCall(PetscFree2(from, room));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,157 @@
+/* What a material has learned: its equations, and those of the mechanics, in a matrix. */
+#include "rod/learned_parts.h"
+
+/* The rows of a node, by its neighbour towards the clamp, itself, the other one, and the last. */
+enum { BESIDE = 4, OWN = 1 };
+
+typedef struct {
+  PetscInt width; /* of a row */
+  PetscReal *v;
+} Rows;
+
+static inline PetscReal *Entry(const Rod rod, const Rows *rows, PetscInt row, PetscInt block,
+                               PetscInt column) {
+  return rows->v + row * rows->width + block * rod->model->fields + column;
+}
+
+/* Where the signal's column is for node i. */
+static PetscInt SignalBlock(const Rod rod, PetscInt i) {
+  const PetscInt away = rod->last - i;
+
+  return away > 1 ? BESIDE - 1 : OWN + away;
+}
+
+/* Rows of the states of place `half` of node i, but for what they are by mechanics: by themselves,
+   and by the signal. */
+static void PutOwn(const Rod rod, PetscInt i, int half, const LearnedRow *row, const Rows *rows) {
+  const Learned self = rod->learned;
+  const PetscInt first = self->mech + half * self->per, signal = self->mech + self->per;
+
+  for (PetscInt b = 0; b < self->bends; b++) {
+    const PetscInt memory = first + self->bends + b;
+    *Entry(rod, rows, first + b, OWN, first + b) += row->own[b];
+    if (self->at_tip) *Entry(rod, rows, first + b, SignalBlock(rod, i), signal + b) -= row->clock;
+    if (!self->remembers) continue;
+    *Entry(rod, rows, first + b, OWN, memory) -= row->clock;
+    *Entry(rod, rows, memory, OWN, memory) += row->own_memory[b];
+  }
+}
+
+/* What the states of a place are by the unknowns of a point: -a (S' + (I - G) E'), and -S'. */
+static void OfPoint(const Rod rod, PetscReal clock, const LearnedSlope *slope, PetscInt b,
+                    PetscReal bend[], PetscReal memory[]) {
+  const Learned self = rod->learned;
+  const Tropism *law = &rod->scene->tropism;
+  const PetscBool at_once = (PetscBool) !(self->remembers || self->at_tip);
+
+  for (PetscInt f = 0; f < self->mech; f++) {
+    bend[f] = -clock * ((at_once ? slope->sensed[b][f] : 0) +
+                        (law->ironing - law->proprioception) * slope->elastic[b][f]);
+    memory[f] = -slope->sensed[b][f];
+  }
+}
+
+static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const Rows *rows) {
+  const Learned self = rod->learned;
+  const LearnedRow *row = &self->node[i - rod->first + 1];
+
+  PutOwn(rod, i, 0, row, rows);
+  if (LearnedIsBorn(rod, 2 * (i - rod->first + 1))) return;
+  for (PetscInt b = 0; b < self->bends; b++) {
+    PetscReal of[2][LEARNED_MOST];
+    OfPoint(rod, row->clock, slope, b, of[0], of[1]);
+    for (int k = 0; k < (self->remembers ? 2 : 1); k++)
+      LearnedAdd(self->mech, 1, of[k], Entry(rod, rows, self->mech + k * self->bends + b, OWN, 0));
+  }
+}
+
+static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Rows *rows) {
+  const Learned self = rod->learned;
+  const LearnedRow *row = &self->cell[i - rod->first + 1].at_mid;
+  const PetscInt first = self->mech + self->per;
+
+  PutOwn(rod, i, 1, row, rows);
+  for (PetscInt b = 0; b < self->bends; b++) {
+    PetscReal of[2][LEARNED_MOST];
+    OfPoint(rod, row->clock, &cell->slope[1], b, of[0], of[1]);
+    for (int k = 0; k < (self->remembers ? 2 : 1); k++)
+      for (int e = 0; e < 2; e++) {
+        const PetscInt at = first + k * self->bends + b;
+        for (PetscInt f = 0; f < self->mech; f++)
+          LearnedAdd(self->mech, of[k][f], cell->by_node[e][f], Entry(rod, rows, at, OWN + e, 0));
+        for (PetscInt c = 0; c < self->bends; c++)
+          *Entry(rod, rows, at, OWN + e, self->mech + c) +=
+              LearnedTimes(self->mech, of[k], cell->by_bend[e][c]);
+      }
+  }
+}
+
+/* Equations from .. to - 1 of a cell, whose nodes are the blocks a and a + 1 of the rows. */
+static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal *left,
+                         const PetscReal *right, PetscInt from, PetscInt to, PetscInt a,
+                         const Rows *rows) {
+  const Learned self = rod->learned;
+  const PetscReal *J[2] = {left, right};
+
+  for (PetscInt r = from; r < to; r++) {
+    for (int e = 0; e < 2; e++) {
+      LearnedAdd(self->mech, 1, J[e] + r * self->mech, Entry(rod, rows, r, a + e, 0));
+      for (PetscInt b = 0; b < self->bends; b++)
+        *Entry(rod, rows, r, a + e, self->mech + b) += cell->column[2 * e][b][r];
+    }
+    for (PetscInt b = 0; b < self->bends; b++)
+      *Entry(rod, rows, r, a, self->mech + self->per + b) += cell->column[1][b][r];
+  }
+}
+
+/* The last node's own: the tip's signal, and places that are none. */
+static void PutLast(const Rod rod, const Rows *rows) {
+  const Learned self = rod->learned;
+  const PetscInt first = self->mech + self->per;
+
+  for (PetscInt c = 0; c < self->per; c++)
+    *Entry(rod, rows, first + c, OWN, first + c) = self->at_tip ? self->tip_own[c] : 1;
+  for (PetscInt b = 0; b < self->bends && self->at_tip; b++)
+    LearnedAdd(self->mech, -self->tip_own[b], self->tip[b], Entry(rod, rows, first + b, OWN, 0));
+}
+
+/*
+  LearnedMatrix - sets the rows of owned node i, and begins those of the next one. (To be called
+  node after node, from that before the first owned one on, which has none.)
+
+  begin            the equations of the beginning, by its node; NULL: it is another node
+  cell, left, right  of the cell behind it, NULL for the last node
+  own              the last equations of the last node; NULL: it is another one
+  room             2 * fields * 4 * fields numbers, 0 at first
+*/
+PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const LearnedCell *cell,
+                             const PetscReal *left, const PetscReal *right,
+                             const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
+                             Mat J) {
+  const Learned self = rod->learned;
+  const PetscInt fields = rod->model->fields, half = rod->model->halves[0],
+                 size = fields * BESIDE * fields;
+  const Rows rows = {.width = BESIDE * fields, .v = room},
+             next = {.width = BESIDE * fields, .v = room + size};
+  const PetscInt cols[BESIDE] = {i - 1, i, i < rod->last ? i + 1 : -1,
+                                 self->at_tip && rod->last > i + 1 ? rod->last : -1};
+
+  PetscFunctionBegin;
+  for (PetscInt r = 0; r < half && begin; r++)
+    LearnedAdd(self->mech, 1, begin + r * self->mech, Entry(rod, &rows, r, OWN, 0));
+  PutNode(rod, i, slope, &rows);
+  if (cell) {
+    PutEquations(rod, cell, left, right, half, self->mech, OWN, &rows);
+    PutEquations(rod, cell, left, right, 0, half, 0, &next);
+    PutMid(rod, i, cell, &rows);
+  } else {
+    for (PetscInt r = half; r < self->mech; r++)
+      LearnedAdd(self->mech, 1, own + (r - half) * self->mech, Entry(rod, &rows, r, OWN, 0));
+    PutLast(rod, &rows);
+  }
+  if (i >= rod->first)
+    PetscCall(MatSetValuesBlocked(J, 1, &i, BESIDE, cols, rows.v, INSERT_VALUES));
+  PetscCall(PetscArraycpy(rows.v, next.v, size));
+  PetscCall(PetscArrayzero(next.v, size));
+  PetscFunctionReturn(0);
+}

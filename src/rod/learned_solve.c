@@ -1,0 +1,373 @@
+/* What a material has learned, in a linear solve: states of nodes and middles of cells are
+   eliminated where they are, so that the mechanics are left as wide as they were. */
+#include "rod/learned_parts.h"
+
+/* The row of a place from its slopes; shift: of its first state. n, bends: as in LearnedCreate(),
+   here and below, where the compiler knows them. */
+ALWAYS_INLINE void MakeRow(const Rod rod, PetscInt place, const LearnedSlope *slope,
+                           const PetscReal shift[], PetscInt n, PetscInt bends, LearnedRow *row) {
+  const Learned self = rod->learned;
+  const Tropism *law = &rod->scene->tropism;
+  const PetscReal a = self->clock[place];
+
+  if (LearnedIsBorn(rod, place)) {
+    *row = (LearnedRow){.own = {1, 1}, .own_memory = {1, 1}};
+    return;
+  }
+  row->clock = a;
+  for (PetscInt b = 0; b < bends; b++) {
+    const PetscReal memory = self->remembers ? 1 + law->memory * shift[bends + b] : 1,
+                    own = shift[b] + a * law->proprioception,
+                    senses = self->at_tip ? 0 : a / (own * memory),
+                    gives = a / own * (law->ironing - law->proprioception);
+    row->own[b] = own;
+    row->own_memory[b] = memory;
+    row->signal[b] = self->at_tip ? a / own : 0;
+    for (PetscInt f = 0; f < n; f++)
+      row->by[b][f] = senses * slope->sensed[b][f] + gives * slope->elastic[b][f];
+  }
+  if (self->remembers) memcpy(row->sensed, slope->sensed, sizeof(row->sensed));
+}
+
+/* LearnedNodeSlope - that of node i: before the cells beside it are condensed. shift: of all
+   fields. */
+void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal shift[]) {
+  const PetscInt at = i - rod->first + 1;
+  LearnedRow *row = &rod->learned->node[at];
+
+  if (rod->learned->mech == LINE_FIELDS)
+    MakeRow(rod, 2 * at, slope, shift + LINE_FIELDS, LINE_FIELDS, 1, row);
+  else
+    MakeRow(rod, 2 * at, slope, shift + WIDE_FIELDS, WIDE_FIELDS, TROPISM_BENDS, row);
+}
+
+/* J += column row, of n unknowns. */
+ALWAYS_INLINE void AddOuter(PetscInt n, const PetscReal column[], const PetscReal row[],
+                            PetscReal *J) {
+  for (PetscInt i = 0; i < n; i++)
+    if (column[i] != 0)
+      for (PetscInt j = 0; j < n; j++) J[i * n + j] += column[i] * row[j];
+}
+
+/* The bends in the middle of a cell by the unknowns and the bends at both ends. */
+ALWAYS_INLINE void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cell,
+                           const PetscReal shift[], PetscInt n, PetscInt bends,
+                           LearnedFactor *factor) {
+  const Learned self = rod->learned;
+  LearnedRow *row = &factor->at_mid;
+
+  MakeRow(rod, place, &cell->slope[1], shift + n + self->per, n, bends, row);
+  for (PetscInt b = 0; b < bends; b++)
+    for (int e = 0; e < 2; e++) {
+      memset(factor->mid[e][b], 0, sizeof(factor->mid[e][b]));
+      for (PetscInt f = 0; f < n; f++)
+        if (row->by[b][f] != 0)
+          LearnedAdd(n, row->by[b][f], cell->by_node[e][f], factor->mid[e][b]);
+      for (PetscInt c = 0; c < bends; c++)
+        factor->chain[e][b][c] = LearnedTimes(n, row->by[b], cell->by_bend[e][c]);
+      if (!self->remembers) continue;
+      memset(factor->sensed[e][b], 0, sizeof(factor->sensed[e][b]));
+      for (PetscInt f = 0; f < n; f++)
+        LearnedAdd(n, row->sensed[b][f], cell->by_node[e][f], factor->sensed[e][b]);
+      for (PetscInt c = 0; c < bends; c++)
+        factor->sensed_chain[e][b][c] = LearnedTimes(n, row->sensed[b], cell->by_bend[e][c]);
+    }
+}
+
+ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
+                            PetscInt n, PetscInt bends, PetscReal *left, PetscReal *right) {
+  const Learned self = rod->learned;
+  const PetscInt at = i - rod->first + 1;
+  LearnedFactor *factor = &self->cell[at];
+  PetscReal *const J[2] = {left, right};
+
+  MakeMid(rod, 2 * at + 1, cell, shift, n, bends, factor);
+  memcpy(factor->column, cell->column, sizeof(factor->column));
+  for (int e = 0; e < 2; e++) {
+    const LearnedRow *end = &self->node[at + e];
+    for (PetscInt b = 0; b < bends; b++) {
+      PetscReal mid[LEARNED_MOST];
+      memcpy(mid, factor->mid[e][b], sizeof(mid));
+      for (PetscInt c = 0; c < bends; c++) LearnedAdd(n, factor->chain[e][b][c], end->by[c], mid);
+      AddOuter(n, cell->column[2 * e][b], end->by[b], J[e]);
+      AddOuter(n, cell->column[1][b], mid, J[e]);
+    }
+  }
+}
+
+/*
+  LearnedCondense - adds to the derivatives of the equations of the cell behind node i by its nodes
+  what comes of the bends learned in it: with dk = free + by.d,
+
+    dF/dy += dF/dk by,   and off the right-hand side goes dF/dk free (LearnedSolve()).
+*/
+void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
+                     PetscReal *left, PetscReal *right) {
+  if (rod->learned->mech == LINE_FIELDS)
+    Condense(rod, i, cell, shift, LINE_FIELDS, 1, left, right); /* (the compiler unrolls it) */
+  else
+    Condense(rod, i, cell, shift, WIDE_FIELDS, TROPISM_BENDS, left, right);
+}
+
+/* LearnedRows - what LearnedCondense() finds of the middle of a cell, for LearnedMatrix(). */
+void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]) {
+  const PetscInt at = i - rod->first + 1;
+
+  MakeMid(rod, 2 * at + 1, cell, shift, rod->learned->mech, rod->learned->bends,
+          &rod->learned->cell[at]);
+}
+
+/* LearnedSignalSlope - of the tip's signal by the last node's unknowns. */
+void LearnedSignalSlope(Rod rod, const LearnedSlope *slope, const PetscReal shift[]) {
+  Learned self = rod->learned;
+
+  for (PetscInt b = 0; b < self->bends; b++) {
+    const PetscReal own = 1 + rod->scene->tropism.memory * shift[self->mech + self->per + b];
+    self->tip_own[b] = own;
+    for (PetscInt f = 0; f < self->mech; f++) self->tip[b][f] = slope->sensed[b][f] / own;
+  }
+}
+
+/* LearnedCondensed - all cells are, and the mechanics eliminated. */
+void LearnedCondensed(Rod rod, Elimination elimination) {
+  rod->learned->elimination = elimination;
+  rod->learned->bordered = PETSC_FALSE;
+}
+
+/* free of the states of all places of this rank, from a right-hand side taken apart. */
+static void FreeOf(const Rod rod, const PetscReal *b) {
+  const Learned self = rod->learned;
+  const PetscInt from = PetscMax(rod->first - 1, 0), to = PetscMin(rod->end, rod->last);
+
+  for (PetscInt i = from; i <= to; i++)
+    for (int half = 0; half < 2 && (!half || i < to); half++) {
+      const PetscInt at = i - rod->first + 1, place = 2 * at + half;
+      const LearnedRow *row = half ? &self->cell[at].at_mid : &self->node[at];
+      for (PetscInt c = 0; c < self->bends; c++) {
+        const PetscReal *rhs = b + place * self->per;
+        PetscReal sum = rhs[c];
+        if (self->remembers) sum += row->clock * rhs[self->bends + c] / row->own_memory[c];
+        self->free[place * self->per + c] = sum / row->own[c];
+      }
+    }
+}
+
+/* r -= dF/dk of a cell times bends at a, in its middle and at b, those of the ends by the chain,
+   too. */
+static void CellTimes(const Learned self, const LearnedFactor *factor, const PetscReal *a,
+                      const PetscReal *mid, const PetscReal *b, PetscReal r[]) {
+  const PetscReal *end[2] = {a, b};
+
+  for (PetscInt c = 0; c < self->bends; c++) {
+    PetscReal in = mid[c];
+    for (int e = 0; e < 2; e++) {
+      LearnedAdd(self->mech, -end[e][c], factor->column[2 * e][c], r);
+      for (PetscInt d = 0; d < self->bends; d++) in += factor->chain[e][c][d] * end[e][d];
+    }
+    LearnedAdd(self->mech, -in, factor->column[1][c], r);
+  }
+}
+
+/* The rows of a cell are those of the node behind it and of the one before it. */
+static void PutCell(const Rod rod, PetscInt i, const PetscReal r[], PetscReal *b) {
+  const Learned self = rod->learned;
+  const PetscInt half = rod->model->halves[0], n = i - rod->first;
+
+  if (i >= rod->first) LearnedAdd(self->mech - half, 1, r + half, b + n * self->mech + half);
+  if (i + 1 < rod->end) LearnedAdd(half, 1, r, b + (n + 1) * self->mech);
+}
+
+/* b, of owned nodes, less what states do by themselves. */
+static void Fold(const Rod rod, PetscReal *b) {
+  const Learned self = rod->learned;
+
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    const PetscInt at = i - rod->first + 1;
+    const PetscReal *k = self->free + 2 * at * self->per;
+    PetscReal r[LEARNED_MOST] = {0};
+    CellTimes(self, &self->cell[at], k, k + self->per, k + 2 * self->per, r);
+    PutCell(rod, i, r, b);
+  }
+}
+
+/* w, what a signal of 1 does to the equations of the owned nodes. */
+static void BorderOf(const Rod rod, PetscInt bend, PetscReal *w) {
+  const Learned self = rod->learned;
+
+  memset(w, 0, (size_t)((rod->end - rod->first) * self->mech) * sizeof(*w));
+  for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
+    const PetscInt at = i - rod->first + 1;
+    PetscReal k[3][TROPISM_BENDS] = {{0}}, r[LEARNED_MOST] = {0};
+    k[0][bend] = self->node[at].signal[bend];
+    k[1][bend] = self->cell[at].at_mid.signal[bend];
+    k[2][bend] = self->node[at + 1].signal[bend];
+    CellTimes(self, &self->cell[at], k[0], k[1], k[2], r);
+    PutCell(rod, i, r, w);
+  }
+}
+
+/* What the tip's signal would be by an owned part of the unknowns; on all ranks. */
+static PetscErrorCode SignalBy(const Rod rod, const PetscReal *x, PetscReal signal[]) {
+  const Learned self = rod->learned;
+
+  PetscFunctionBegin;
+  signal[0] = signal[1] = 0;
+  for (PetscInt b = 0; b < self->bends && rod->end > rod->last; b++)
+    signal[b] = LearnedTimes(self->mech, self->tip[b], x + (rod->last - rod->first) * self->mech);
+  PetscCall(LearnedFromLastRank(rod, signal));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SolveMechanics(const Learned self, const PetscReal *b, PetscReal *x) {
+  PetscFunctionBegin;
+  PetscCall(EliminationSolve(self->elimination, (const PetscReal(*)[LINE_FIELDS])b,
+                             (PetscReal(*)[LINE_FIELDS])x));
+  PetscFunctionReturn(0);
+}
+
+/*
+  Border - the signal sees the tip, and all of the rod sees the signal: with d(signal) = free + v.d,
+
+    (J - w v) d = b + w free,   d = y + z c,  J y = b + w free, J z = w,  (1 - v z) c = v y.
+*/
+static PetscErrorCode Border(const Rod rod) {
+  const Learned self = rod->learned;
+  PetscReal M[TROPISM_BENDS][TROPISM_BENDS] = {{1, 0}, {0, 1}}, signal[TROPISM_BENDS], det;
+
+  PetscFunctionBegin;
+  for (PetscInt b = 0; b < self->bends; b++) {
+    BorderOf(rod, b, self->b);
+    PetscCall(SolveMechanics(self, self->b, self->border[b]));
+    PetscCall(SignalBy(rod, self->border[b], signal));
+    for (PetscInt c = 0; c < self->bends; c++) M[c][b] -= signal[c];
+  }
+  det = M[0][0] * M[1][1] - M[0][1] * M[1][0];
+  self->inverse[0][0] = M[1][1] / det;
+  self->inverse[1][1] = M[0][0] / det;
+  self->inverse[0][1] = -M[0][1] / det;
+  self->inverse[1][0] = -M[1][0] / det;
+  self->bordered = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/* x of the mechanics, from b folded; rhs: of the signal, on exit how that changes. */
+static PetscErrorCode SolveBordered(const Rod rod, PetscReal signal[]) {
+  const Learned self = rod->learned;
+  const PetscInt n = (rod->end - rod->first) * self->mech;
+  PetscReal by[TROPISM_BENDS], c[TROPISM_BENDS];
+
+  PetscFunctionBegin;
+  PetscCall(SolveMechanics(self, self->b, self->x));
+  if (!self->at_tip) PetscFunctionReturn(0);
+  for (PetscInt b = 0; b < self->bends; b++) LearnedAdd(n, signal[b], self->border[b], self->x);
+  PetscCall(SignalBy(rod, self->x, by));
+  for (PetscInt b = 0; b < self->bends; b++) {
+    c[b] = self->inverse[b][0] * by[0] + self->inverse[b][1] * by[1];
+    LearnedAdd(n, c[b], self->border[b], self->x);
+    signal[b] += c[b];
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The states of node i, once the mechanics of it are known. */
+static void UnfoldNode(const Rod rod, PetscInt i, const PetscReal signal[], PetscReal *k) {
+  const Learned self = rod->learned;
+  const PetscInt at = i - rod->first + 1, n = self->mech, per = self->per;
+  const LearnedRow *row = &self->node[at];
+  const PetscReal *x = self->beside + at * n, *rhs = self->rhs + 2 * at * per;
+
+  for (PetscInt b = 0; b < self->bends; b++) {
+    k[b] =
+        self->free[2 * at * per + b] + LearnedTimes(n, row->by[b], x) + row->signal[b] * signal[b];
+    if (self->remembers)
+      k[self->bends + b] =
+          (rhs[self->bends + b] + LearnedTimes(n, row->sensed[b], x)) / row->own_memory[b];
+  }
+}
+
+/* ... in the middle of the cell behind it, between those, k[0] and k[2]. */
+static void UnfoldMid(const Rod rod, PetscInt i, const PetscReal signal[], PetscReal *k) {
+  const Learned self = rod->learned;
+  const PetscInt at = i - rod->first + 1, place = 2 * at + 1, n = self->mech, per = self->per;
+  const LearnedFactor *cell = &self->cell[at];
+  const PetscReal *rhs = self->rhs + place * per,
+                  *x[2] = {self->beside + at * n, self->beside + (at + 1) * n},
+                  *end[2] = {k, k + 2 * per};
+  PetscReal *mid = k + per;
+
+  for (PetscInt b = 0; b < self->bends; b++) {
+    PetscReal sensed = 0;
+    mid[b] = self->free[place * per + b] + cell->at_mid.signal[b] * signal[b];
+    for (int e = 0; e < 2; e++) {
+      mid[b] += LearnedTimes(n, cell->mid[e][b], x[e]);
+      for (PetscInt c = 0; c < self->bends; c++) mid[b] += cell->chain[e][b][c] * end[e][c];
+      if (!self->remembers) continue;
+      sensed += LearnedTimes(n, cell->sensed[e][b], x[e]);
+      for (PetscInt c = 0; c < self->bends; c++) sensed += cell->sensed_chain[e][b][c] * end[e][c];
+    }
+    if (self->remembers)
+      mid[self->bends + b] = (rhs[self->bends + b] + sensed) / cell->at_mid.own_memory[b];
+  }
+}
+
+/* LearnedSolve - x of J x = b for what was condensed and eliminated last. Collective. */
+PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
+  const Learned self = rod->learned;
+  const PetscInt from = PetscMax(rod->first - 1, 0), to = PetscMin(rod->end, rod->last),
+                 owned = (rod->end - rod->first) * self->mech;
+  PetscReal signal[TROPISM_BENDS] = {0}, *k = self->free;
+
+  PetscFunctionBegin;
+  if (self->at_tip && !self->bordered) PetscCall(Border(rod));
+  PetscCall(LearnedPart(rod, b, self->beside, self->rhs));
+  for (PetscInt c = 0; c < self->bends && self->at_tip && rod->end > rod->last; c++)
+    self->rhs[LearnedSignalPlace(rod) * self->per + c] /= self->tip_own[c];
+  PetscCall(LearnedShareSignal(rod, self->rhs, signal));
+  FreeOf(rod, self->rhs);
+  PetscCall(PetscArraycpy(self->b, self->beside + self->mech, owned));
+  Fold(rod, self->b);
+  PetscCall(SolveBordered(rod, signal));
+  PetscCall(LearnedPut(rod, self->x, NULL, x));
+  PetscCall(LearnedPart(rod, x, self->beside, NULL));
+  for (PetscInt i = from; i <= to; i++)
+    UnfoldNode(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
+  for (PetscInt i = from; i < to; i++)
+    UnfoldMid(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
+  if (rod->end > rod->last)
+    memcpy(k + LearnedSignalPlace(rod) * self->per,
+           self->at_tip ? signal : self->rhs + LearnedSignalPlace(rod) * self->per,
+           (size_t)self->bends * sizeof(*k));
+  PetscCall(LearnedPut(rod, NULL, k, x));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SetUp(PC pc) {
+  Rod rod;
+
+  PetscFunctionBegin;
+  PetscCall(PCShellGetContext(pc, &rod));
+  PetscCall(PCSetFailedReason(pc, EliminationRegular(rod->learned->elimination)
+                                      ? PC_NOERROR
+                                      : PC_FACTOR_NUMERIC_ZEROPIVOT));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Apply(PC pc, Vec b, Vec x) {
+  Rod rod;
+
+  PetscFunctionBegin;
+  PetscCall(PCShellGetContext(pc, &rod));
+  PetscCall(LearnedSolve(rod, b, x));
+  PetscFunctionReturn(0);
+}
+
+/* LearnedSetType - makes a PC the exact solver of what has been condensed when it is set up; the
+   rod must outlive it. */
+PetscErrorCode LearnedSetType(PC pc, Rod rod, Elimination elimination) {
+  PetscFunctionBegin;
+  PetscCall(EliminationSetType(pc, elimination));
+  PetscCall(PCShellSetContext(pc, rod));
+  PetscCall(PCShellSetSetUp(pc, SetUp));
+  PetscCall(PCShellSetApply(pc, Apply));
+  PetscFunctionReturn(0);
+}
