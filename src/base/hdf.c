@@ -9,6 +9,7 @@ struct _HdfFile {
   hid_t id;
   char path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN + 8];
   char fault[HDF_FAULT]; /* what went wrong first; empty: nothing yet */
+  char under[64];        /* HdfUnder(); empty: the file itself */
 };
 
 /* HdfBegin - opens the library; before MPI_Init(). At its end it would close once more a file that
@@ -212,6 +213,7 @@ static void AttributeOf(HdfFile file, const char *object, const char *name, hid_
   hid_t o;
 
   if (!Sound(file)) return;
+  if (!strcmp(object, "/") && file->under[0]) object = file->under;
   o = Try(file, H5Oopen(file->id, object, H5P_DEFAULT));
   if (o < 0) return;
   if (type < 0)
@@ -236,8 +238,19 @@ PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const
     PetscCall(HdfWriteText(file, name, text, "text"));
     PetscFunctionReturn(0);
   }
-  if (!strcmp(object, "/") && Sound(file) && !strchr(name, '/')) PetscCall(HdfDelete(file, name));
+  if (!strcmp(object, "/") && Sound(file) && !file->under[0] && !strchr(name, '/'))
+    PetscCall(HdfDelete(file, name));
   AttributeOf(file, object, name, -1, text);
+  PetscFunctionReturn(0);
+}
+
+/* HdfUnder - from here on what is said of the file ("/") and texts without a path are of this
+   group, which is made; NULL: of the file itself again. */
+PetscErrorCode HdfUnder(HdfFile file, const char *group) {
+  PetscFunctionBegin;
+  if (!Sound(file)) PetscFunctionReturn(0);
+  if (group) PetscCall(HdfGroup(file, group));
+  (void)snprintf(file->under, sizeof(file->under), "%s", group ? group : "");
   PetscFunctionReturn(0);
 }
 
@@ -299,10 +312,15 @@ PetscErrorCode HdfWrite(HdfFile file, const char *name, int rank, const PetscInt
 PetscErrorCode HdfWriteText(HdfFile file, const char *name, const char *text,
                             const char *description) {
   hid_t type, d;
+  char path[192];
 
   PetscFunctionBegin;
   if (!Sound(file)) PetscFunctionReturn(0);
-  DropAttribute(file, name);
+  if (file->under[0] && name[0] != '/') {
+    (void)snprintf(path, sizeof(path), "%s/%s", file->under, name);
+    name = path;
+  } else
+    DropAttribute(file, name);
   PetscCall(HdfDelete(file, name));
   type = Try(file, H5Tcopy(H5T_C_S1));
   if (type < 0) PetscFunctionReturn(0);

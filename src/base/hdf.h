@@ -36,6 +36,7 @@ PetscErrorCode HdfDelete(HdfFile file, const char *name);
 PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const char *text);
 PetscErrorCode HdfWriteText(HdfFile file, const char *name, const char *text,
                             const char *description);
+PetscErrorCode HdfUnder(HdfFile file, const char *group);
 PetscErrorCode HdfReal(HdfFile file, const char *object, const char *name, PetscReal value);
 PetscErrorCode HdfInt(HdfFile file, const char *object, const char *name, int value);
 
