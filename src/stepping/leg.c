@@ -339,14 +339,14 @@ static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBoo
 }
 
 /* Is anything across any rod? */
-static PetscErrorCode AnyIsBent(const Rod all, Vec U, PetscBool *bent) {
+static PetscErrorCode AnyIsBent(const Rod all, Vec U, PetscBool *any) {
   Vec part;
 
   PetscFunctionBegin;
-  *bent = PETSC_FALSE;
-  for (PetscInt k = 0; k < all->rods && !*bent; k++) {
+  *any = PETSC_FALSE;
+  for (PetscInt k = 0; k < all->rods && !*any; k++) {
     PetscCall(RodPartOpenRead(all, k, U, &part));
-    PetscCall(IsBent(all->each[k], part, bent));
+    PetscCall(IsBent(all->each[k], part, any));
     PetscCall(RodPartCloseRead(all, k, U, &part));
   }
   PetscFunctionReturn(0);
