@@ -132,6 +132,7 @@ static void AddWall(const Contact *contact, const Touch *touch, const Spot *spot
   for (int d = 0; d < 2; d++) {
     force[d] += push.force[d];
     sum->wall[d] += length * push.force[d];
+    sum->moved += length * push.force[d] * touch->v[d];
   }
 }
 

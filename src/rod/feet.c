@@ -8,6 +8,7 @@ static Touch Flat(const Touch3 *touch) {
   return (Touch){.gap = touch->gap,
                  .normal = {touch->normal[0], touch->normal[1]},
                  .bend = touch->bend[0][0] + touch->bend[1][1],
+                 .v = {touch->v[0], touch->v[1]},
                  .wall = touch->wall};
 }
 

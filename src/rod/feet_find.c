@@ -101,14 +101,18 @@ PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot) {
 }
 
 /* What a post is to a foot: false, the foot is in its middle. */
-static PetscBool TouchPost(const Contact *contact, const WallPost *post, const Foot *foot,
-                           Touch3 *touch) {
+static PetscBool TouchPost(const Contact *contact, PetscInt item, const PetscReal at[2],
+                           const Foot *foot, Touch3 *touch) {
+  const Walls *walls = &contact->walls;
+  const WallPost *post = &walls->post[item];
   PetscReal n[2], distance;
 
-  for (int d = 0; d < 2; d++) n[d] = foot->on.x[d] - post->at[d];
+  for (int d = 0; d < 2; d++) n[d] = foot->on.x[d] - at[d];
   distance = hypot(n[0], n[1]);
   *touch = (Touch3){.gap = distance - post->r - contact->diameter / 2, .wall = post->wall};
   if (distance == 0) return PETSC_FALSE;
+  touch->moves = (PetscBool)(item >= walls->resting);
+  if (touch->moves) WallVelocity(walls, post->wall, touch->v);
   for (int d = 0; d < 2; d++) touch->normal[d] = n[d] /= distance;
   for (int d = 0; d < 2; d++)
     for (int c = 0; c < 2; c++) touch->bend[d][c] = ((d == c) - n[d] * n[c]) / distance;
@@ -121,10 +125,12 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   const WallPost *post = &contact->walls.post[item];
   PetscReal share_t, share = ContactPostShare(contact, post->r + contact->diameter / 2, &share_t);
   Foot foot = {.item = item};
+  PetscReal at[2];
   Touch3 touch;
 
-  if (share == 0 || !FootAbout(look->cell, post->at, &foot) ||
-      !TouchPost(contact, post, &foot, &touch))
+  if (share == 0) return reach;
+  WallsPostAt(&contact->walls, item, at);
+  if (!FootAbout(look->cell, at, &foot) || !TouchPost(contact, item, at, &foot, &touch))
     return reach;
   foot.strength = share * contact->tip;
   foot.strength_t = share * contact->tip_t + share_t * contact->tip;
@@ -278,7 +284,7 @@ void FeetFind(const Contact *contact, const FootCell *cell, PetscReal within, Fe
   if (!contact->thin) return;
   if (cell->dims == 2) {
     const Block block = CellBlock(cell);
-    BlocksNear(contact->walls.near_posts, &block, reach, MeetPost, &look);
+    WallsPostsNear(&contact->walls, &block, reach, MeetPost, &look);
   } else {
     PetscReal b[4][3];
     look.extent = Hull(&cell->curve, b);

@@ -531,8 +531,20 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
               TipDual(rod), by);
 }
 
-/* ... of a rod whose material learns its natural curvature. */
+/* What strands need to know of the cell that is looked at. */
+static void KeepCell(const Cell *cell, StrandCell *kept) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+
+  *kept = (StrandCell){.end_weight = cell->h * frame->end_weight,
+                       .mid_weight = cell->h * frame->mid_weight,
+                       .bow = cell->h * frame->bow,
+                       .g = cell->law[1].g,
+                       .q = {cell->mid->at.q[0], cell->mid->at.q[1]}};
+}
+
+/* FrameJacobian(), of a rod whose material learns its natural curvature. */
 static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
+  const Frame *frame = (const Frame *)rod->data;
   const PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], of_begin[LINE_HALF][FIELDS] = {{0}},
                                                          by[TIP_ROWS][FIELDS], *room;
@@ -542,6 +554,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(8 * PetscSqr(rod->model->fields), &room));
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
+  if (frame->strands) PetscCall(StrandRowsPattern(rod, frame->strands, at->fresh, J));
   for (int f = X1; f <= TH; f++) of_begin[f][OfClamp(rod, f)] = 1;
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
@@ -550,6 +563,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
                      (PetscBool)(i + 1 == rod->last), left, right, &learned);
     LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
+    if (frame->strands && i >= rod->first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
                             &learned.slope[0], NULL, room, J));
   }
@@ -562,20 +576,10 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   }
   PetscCall(CellsClose(&cell));
   PetscCall(PetscFree(room));
+  if (frame->strands) PetscCall(StrandRowsJacobian(rod, frame->strands, at, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
-}
-
-/* What strands need to know of the cell that is looked at. */
-static void KeepCell(const Cell *cell, StrandCell *kept) {
-  const Frame *frame = (const Frame *)cell->rod->data;
-
-  *kept = (StrandCell){.end_weight = cell->h * frame->end_weight,
-                       .mid_weight = cell->h * frame->mid_weight,
-                       .bow = cell->h * frame->bow,
-                       .g = cell->law[1].g,
-                       .q = {cell->mid->at.q[0], cell->mid->at.q[1]}};
 }
 
 static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
@@ -730,14 +734,19 @@ static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *s
   PetscInt n = frame->feet ? CellsFeet(cell, i, &of, &feet) : 0;
 
   for (int k = 0; k < 3; k++) {
-    if (at[k]) LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls);
+    if (at[k])
+      LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
+    sum->moved += cell->h * weight[k] * cell->law[k].g * end->moved;
     for (int d = 0; d < 2; d++) {
       sum->friction[d] += cell->h * weight[k] * cell->law[k].g * end->friction[d];
       sum->walls[d] += cell->h * weight[k] * cell->law[k].g * end->walls[d];
     }
   }
   for (PetscInt k = 0; k < n; k++)
-    for (int d = 0; d < 2; d++) sum->walls[d] += feet.foot[k].force[d];
+    for (int d = 0; d < 2; d++) {
+      sum->walls[d] += feet.foot[k].force[d];
+      sum->moved += feet.foot[k].force[d] * feet.touch[k].v[d];
+    }
 }
 
 /* Adds what the tip bears. */
@@ -745,7 +754,7 @@ static void AddTip(const Cell *cell, RodForces *sum) {
   Rod rod = cell->rod;
   const Tip *tip = &rod->scene->tip;
 
-  TipWalls(tip, &cell->b->at, TipDual(rod), sum->tip);
+  sum->moved += TipWalls(tip, &cell->b->at, TipDual(rod), sum->tip);
   for (int d = 0; d < 2; d++) sum->walls[d] += sum->tip[d];
   for (int d = 0; d < 2 && cell->push && tip->type == TIP_FREE; d++)
     sum->tip[d] += cell->push[2 * rod->last + 1][d];
@@ -761,7 +770,8 @@ static PetscErrorCode FrameBears(Rod rod, const RodState *at, RodForces *sum) {
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
     if (i < rod->first) continue;
-    if (i == rod->first) LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls);
+    if (i == rod->first)
+      LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
     AddForces(&cell, i, &end, sum);
   }
   if (rod->end == rod->last + 1) AddTip(&cell, sum);

@@ -399,7 +399,7 @@ static PetscErrorCode MixedSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
 static PetscErrorCode MixedBears(Rod rod, const RodState *at, RodForces *sum) {
   const Mixed *self = (const Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
-  PetscReal friction[2], walls[2], slide;
+  PetscReal friction[2], walls[2], moved, slide;
   Vec local[2];
   Place place;
 
@@ -411,7 +411,7 @@ static PetscErrorCode MixedBears(Rod rod, const RodState *at, RodForces *sum) {
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
     const PetscReal at_clamp = i == 1 ? EdgeLength(self, rod, 1) / 2 : 0;
     PlaceAt(self, rod, u, u_t, i, &place, &slide);
-    LoadParts(&rod->scene->load, &place, &self->dual[i - rod->first], friction, walls);
+    LoadParts(&rod->scene->load, &place, &self->dual[i - rod->first], friction, walls, &moved);
     for (int d = 0; d < 2; d++)
       sum->friction[d] += (NodeLength(self, rod, i) + at_clamp) * friction[d];
   }

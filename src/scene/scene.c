@@ -77,6 +77,7 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   const Growth growth = scene->growth;
   PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
 
+  next = SmallerOf(next, WallsNextTurn(&scene->contact.walls, t));
   next = SmallerOf(next, TipNextTurn(&scene->tip, t));
   if (scene->space.clamp_path) next = SmallerOf(next, ScheduleNextTurn(scene->space.clamp_path, t));
   if (scene->load.field) next = SmallerOf(next, FieldNextTurn(scene->load.field, t));
@@ -108,7 +109,7 @@ PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
   PetscCall(SceneStiffness(scene, 1, t, &B[1], NULL));
   B[0] = scene->stiffness.most;
   ContactSetStiffness(&scene->contact, B, cell, length);
-  scene->contact.surfaces.time = t;
+  scene->contact.surfaces.time = scene->contact.walls.time = t;
   scene->contact.time = t;
   PetscFunctionReturn(0);
 }
@@ -300,8 +301,6 @@ PetscErrorCode SceneCreate(Scene *scene) {
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
-  UserCheck(!self->tropism.any || !self->contact.self, OptionsComm(),
-            "-contact_self: not with -tropism_ options or -growth_ironing; leave one out");
   if (self->tropism.any)
     TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab, self->space.place);
   if (self->tropism.why) self->space.why = self->tropism.why;

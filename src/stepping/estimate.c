@@ -484,7 +484,7 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
   PetscReal *b;
 
   PetscFunctionBegin;
-  if (self->rod->learned) {
+  if (self->rod->learned && self->elimination) {
     PetscCall(VecPlaceArray(self->nudged, self->rhs));
     PetscCall(VecPlaceArray(self->G, e));
     PetscCall(LearnedSolve(self->rod, self->nudged, self->G));

@@ -238,16 +238,16 @@ PetscInt ContactTouches(const Contact *contact, const PetscReal x[2], Touch touc
   return WallsTouch(&contact->walls, x, contact->diameter / 2, contact->smooth, touch);
 }
 
-/* The speed along a surface, t.v with t = n turned to the left. */
+/* The speed along a surface, t.(v - v_w) with t = n turned to the left. */
 static PetscReal Slip(const Touch *touch, const PetscReal v[2]) {
-  return touch->normal[0] * v[1] - touch->normal[1] * v[0];
+  return touch->normal[0] * (v[1] - touch->v[1]) - touch->normal[1] * (v[0] - touch->v[0]);
 }
 
 /*
   ContactPush - what a wall does to a point of the rod that moves at v; of the derivatives see
   ContactPushSlope().
 
-    f = p n - mu p w t,   w = u/r, u = v.t
+    f = p n - mu p w t,   w = u/r, u = (v - v_w).t
 */
 void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2],
                  const FrictionDual *dual, Push *push) {
@@ -267,12 +267,13 @@ void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2
   ContactPushSlope - the derivatives of f by x and v, the dual brought up to v first (fresh: a
   Newton solve begins). With dn = bend t (t.dx), dt = -bend n (t.dx), dp = p' n.dx:
 
-    df = p' (n.dx)(n - mu w t) + p (dn - mu w dt) - mu p w' t (t.dv + v.dt)
+    df = p' (n.dx)(n - mu w t) + p (dn - mu w dt) - mu p w' t (t.dv + (v - v_w).dt)
 */
 void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscReal v[2],
                       PetscBool fresh, FrictionDual *dual, Push *push) {
   const PetscReal *n = touch->normal, t[2] = {-n[1], n[0]},
-                  mu = ContactWallFriction(contact, touch->wall);
+                  mu = ContactWallFriction(contact, touch->wall),
+                  away = (v[0] - touch->v[0]) * n[0] + (v[1] - touch->v[1]) * n[1];
   PetscReal u[2] = {Slip(touch, v), 0}, p, slope, w = 0, by_u = 0;
   FrictionDual own = {.v = {0}};
 
@@ -288,7 +289,7 @@ void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscRea
   for (int d = 0; d < 2; d++)
     for (int c = 0; c < 2; c++) {
       PetscReal dn = touch->bend * t[d] * t[c], dt = -touch->bend * n[d] * t[c],
-                du = -touch->bend * (v[0] * n[0] + v[1] * n[1]) * t[c];
+                du = -touch->bend * away * t[c];
       push->x[d][c] = slope * n[c] * (n[d] - mu * w * t[d]) + p * (dn - mu * w * dt) -
                       mu * p * by_u * t[d] * du;
       push->v[d][c] = -mu * p * by_u * t[d] * t[c];

@@ -140,26 +140,32 @@ static LoadDual *WallDual(const Load *load, const LoadDual *dual, const Touch *t
   return load->duals > 1 ? (LoadDual *)dual + 1 + touch->wall : NULL;
 }
 
-/* LoadForceWalls - takes off f what walls push with. */
-void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]) {
+/* LoadForceWalls - takes off f what walls push with; returns the power of those that move. */
+PetscReal LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]) {
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(load->walls, at->x, touch);
+  PetscReal moved = 0;
   Push push;
 
   for (PetscInt k = 0; k < n; k++) {
     ContactPush(load->walls, &touch[k], at->v, WallDual(load, dual, &touch[k]), &push);
-    for (int d = 0; d < 2; d++) f[d] -= push.force[d];
+    for (int d = 0; d < 2; d++) {
+      f[d] -= push.force[d];
+      moved += push.force[d] * touch[k].v[d];
+    }
   }
+  return moved;
 }
 
-/* LoadParts - the forces of friction and of walls on the rod, per length. */
+/* LoadParts - the forces of friction and of walls on the rod, and the power of those that move, per
+   length. */
 void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
-               PetscReal walls[2]) {
+               PetscReal walls[2], PetscReal *moved) {
   PetscReal f[2], of_walls[2] = {0, 0};
 
   FrictionForce(&load->friction, at->v, dual, f);
   if (load->varied) LoadForceVaried(load, at, f);
-  if (load->walls) LoadForceWalls(load, at, dual, of_walls);
+  *moved = load->walls ? LoadForceWalls(load, at, dual, of_walls) : 0;
   for (int d = 0; d < 2; d++) {
     friction[d] = -f[d];
     walls[d] = -of_walls[d];

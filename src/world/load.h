@@ -74,11 +74,11 @@ PetscErrorCode LoadDestroy(Load *load);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
 void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]);
 void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope);
-void LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]);
+PetscReal LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]);
 void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
                     LoadSlope *slope);
 void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
-               PetscReal walls[2]);
+               PetscReal walls[2], PetscReal *moved);
 PetscBool LoadIsDry(const Load *load);
 PetscReal LoadFactor(const Load *load, const PetscReal x[3], PetscReal t, PetscReal slope[3]);
 
@@ -88,7 +88,7 @@ static inline void LoadForce(const Load *load, const Place *at, const LoadDual *
   FrictionForce(&load->friction, at->v, dual, f);
   if (load->plain) return;
   if (load->varied) LoadForceVaried(load, at, f);
-  if (load->walls) LoadForceWalls(load, at, dual, f);
+  if (load->walls) (void)LoadForceWalls(load, at, dual, f);
   for (int d = 0; d < 2 && load->weighs; d++) f[d] -= load->weight[d];
 }
 

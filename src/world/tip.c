@@ -93,18 +93,23 @@ static LoadDual *WallDual(const Tip *tip, const LoadDual *dual, const Touch *tou
   return tip->walls->walls.rub ? (LoadDual *)dual + 1 + touch->wall : NULL;
 }
 
-/* TipWalls - adds to f what walls push a free tip with. */
-void TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]) {
+/* TipWalls - adds to f what walls push a free tip with; returns the power of those that move. */
+PetscReal TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]) {
   Touch touch[MOST_TOUCHES];
+  PetscReal moved = 0;
   PetscInt n;
   Push push;
 
-  if (!tip->walls || tip->type != TIP_FREE) return;
+  if (!tip->walls || tip->type != TIP_FREE) return 0;
   n = ContactTouches(tip->walls, at->x, touch);
   for (PetscInt k = 0; k < n; k++) {
     ContactPush(tip->walls, &touch[k], at->v, WallDual(tip, dual, &touch[k]), &push);
-    for (int d = 0; d < 2; d++) f[d] += tip->walls->tip * push.force[d];
+    for (int d = 0; d < 2; d++) {
+      f[d] += tip->walls->tip * push.force[d];
+      moved += tip->walls->tip * push.force[d] * touch[k].v[d];
+    }
   }
+  return moved;
 }
 
 /* Takes its derivatives off J, the condition being n - f = 0. */
@@ -142,7 +147,7 @@ void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscRea
     LoadForce(&tip->resistance, &at->at, dual, drag);
     for (int d = 0; d < 2; d++) f[d] -= tip->force * drag[d];
   }
-  TipWalls(tip, &at->at, dual, f);
+  (void)TipWalls(tip, &at->at, dual, f);
 }
 
 /* Where it is held at a time. */

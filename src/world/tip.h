@@ -54,7 +54,7 @@ PetscErrorCode TipDestroy(Tip *tip);
 const PetscReal *TipStill(const Tip *tip, PetscReal t, int axes, int fields,
                           const PetscReal rates[], PetscReal still[]);
 void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);
-void TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]);
+PetscReal TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]);
 PetscReal TipWalls3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
                     PetscReal f[RUBS]);
 void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]);
