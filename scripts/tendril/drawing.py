@@ -11,7 +11,7 @@ import numpy as np
 
 from .errors import ResultsError, RunError
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
-from .pictures import colours
+from .pictures import NAMED, colours
 from .results import Results
 from .runs import run
 from .several import Several
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BESIDE = 0.5  # of the longest side of their box: so far beside the rods walls are seen
-MANY = 24  # rods beyond so many have no names in a picture
 
 
 def begun(scene, rods, pairs, options) -> Results:
@@ -60,7 +59,7 @@ def draw(scene=None, *, rods=None, pairs=None, view: tuple[float, float] | str |
         axes.add_collection(Rods([Strand(x, shade, diameter_of(r)) for r, x, shade in zip(each, shapes, shades)], zorder=3), autolim=False)
         for r, x, shade in zip(each, shapes, shades):
             axes.plot(*x[:1].T, "ks", ms=3, zorder=4)
-            if len(each) <= MANY and isinstance(results, Several):
+            if len(each) <= NAMED and isinstance(results, Several):
                 axes.text(*x[-1], f" {r.name}", color=shade, fontsize=8, zorder=5)
         for r in {id(r): r for r in lines.values()}.values():
             draw_surfaces(axes, [one.at(0.0) for one in solids(r)], low, high)

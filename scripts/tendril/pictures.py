@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+NAMED = 24  # of an overlay: more runs have colours alone
 STYLES = ("-", "--", ":", "-.", (0, (4, 1, 1, 1, 1, 1)))
 
 
@@ -589,6 +590,8 @@ def place(figure, axes, aspects, shared, headed):
 def name_runs(figure, view, width):
     """The runs of an overlay, at the head of the figure, as many in a row as have room; the height they
     take."""
+    if len(view.results) > NAMED:
+        return 0.1
     renderer = RendererAgg(10, 10, figure.dpi)
     handles = [Line2D([], [], color=view.colour(r, "black")) for r in view.results]
     texts = [figure.text(0, 0, title, fontsize=STYLE["legend.fontsize"]) for title in view.titles]

@@ -179,6 +179,22 @@ static PetscErrorCode WriteAbout(const Several *self, HdfFile file, PetscReal t)
   PetscFunctionReturn(0);
 }
 
+/* How far off any rod may be, once that is known. */
+static PetscErrorCode WriteErrors(const Several *self, HdfFile file) {
+  PetscReal most = 0, end = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) {
+    const ErrorEstimate *error = &self->each[k]->error;
+    if (error->kind == ESTIMATE_NONE) PetscFunctionReturn(0);
+    most = PetscMax(most, error->most.all);
+    end = PetscMax(end, error->end.all);
+  }
+  PetscCall(HdfReal(file, "/", "error_estimate", most));
+  PetscCall(HdfReal(file, "/", "error_end_estimate", end));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, PetscBool finished) {
   char *text;
 
@@ -193,6 +209,8 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
   PetscCall(WriteSeries(self, file));
   PetscCall(WriteShapes(self, file));
   PetscCall(WriteAbout(self, file, t));
+  PetscCall(WriteErrors(self, file));
+  PetscCall(self->keep(self->ctx, file));
   PetscFunctionReturn(0);
 }
 
@@ -232,6 +250,100 @@ PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished) {
   self->there = PETSC_TRUE;
   PetscCall(PetscTime(&self->stored_at));
   self->cost = self->stored_at - begin;
+  PetscFunctionReturn(0);
+}
+
+/* ---- going on ---- */
+
+/* One series of all rods, up to a row. */
+static PetscErrorCode TakeSeries(const Several *self, const char *from, int observed,
+                                 PetscInt rows) {
+  const PetscBool same = (PetscBool)(OfAll(observed) == SAME);
+  PetscInt dims[2] = {0, 1};
+  PetscReal *value;
+  char path[96];
+
+  PetscFunctionBegin;
+  (void)snprintf(path, sizeof(path), same ? "/series/%s" : "/rods/series/%s",
+                 observed_name[observed]);
+  PetscCall(HdfRead("-restart", from, path, same ? 1 : 2, dims, &value));
+  for (PetscInt i = 0; i < PetscMin(rows, dims[0]); i++)
+    for (PetscInt k = 0; k < self->n; k++)
+      ((PetscReal *)&self->each[k]->series[i])[observed] =
+          value[same ? i : i * dims[1] + PetscMin(k, dims[1] - 1)];
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(0);
+}
+
+/* One set of the shapes of all rods, up to one. */
+static PetscErrorCode TakeSet(const Several *self, const char *from, int set, PetscInt shapes) {
+  const ShapeSet *is = &Fullest(self)->set[set];
+  const PetscInt width = PetscMax(1, is->components);
+  const int rank = !is->components ? 1 : width == 1 ? 2 : 3;
+  PetscInt dims[3] = {0}, at = 0;
+  PetscReal *value;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", from, is->name, rank, dims, &value));
+  for (PetscInt k = 0; k < self->n; k++) {
+    Output one = self->each[k];
+    const PetscInt size = set < one->sets ? OutputShapeSize(one, set) : 0,
+                   row = is->components ? dims[1] * width : 1;
+    PetscCall(PetscMalloc1(shapes * size, &one->shape[set]));
+    for (PetscInt i = 0; i < shapes; i++)
+      PetscCall(PetscArraycpy(one->shape[set] + i * size,
+                              value + i * row + (is->components ? at * width : 0), size));
+    at += one->nodes;
+  }
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(0);
+}
+
+/* SeveralTake - reads what a file holds of the rods up to a time; as OutputContinue() has it. */
+PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, PetscReal interval) {
+  PetscReal *times;
+  PetscInt rows, shapes, n;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", from, "/series/t", 1, &n, &times));
+  rows = OutputCountUpTo(n, times, t);
+  PetscCall(PetscFree(times));
+  PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, &times));
+  shapes = OutputCountUpTo(n, times, t);
+  if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OutputOnGrid(t, interval)) shapes--;
+  for (PetscInt k = 0; k < self->n; k++) {
+    Output one = self->each[k];
+    PetscCall(PetscCalloc1(rows, &one->series));
+    one->series_n = one->series_room = rows;
+    one->shapes_n = one->shapes_room = one->times_n = one->times_room = shapes;
+    PetscCall(PetscMalloc1(shapes, &one->times));
+    PetscCall(PetscArraycpy(one->times, times, shapes));
+  }
+  PetscCall(PetscFree(times));
+  for (int i = 0; i < OBSERVED; i++)
+    if (Holds(self, i)) PetscCall(TakeSeries(self, from, i, rows));
+  for (int set = 0; set < Fullest(self)->sets; set++) PetscCall(TakeSet(self, from, set, shapes));
+  PetscFunctionReturn(0);
+}
+
+/* SeveralLabels - gives the scene of rod k the file's mesh, which may depend on the end time. */
+PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene) {
+  PetscReal *s, *first, *count;
+  PetscInt n, rods;
+  PetscBool same;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", from, "/shapes/s", 1, &n, &s));
+  PetscCall(HdfRead("-restart", from, "/rods/first", 1, &rods, &first));
+  PetscCall(HdfRead("-restart", from, "/rods/count", 1, &rods, &count));
+  same = (PetscBool)(k < rods && (PetscInt)count[k] == scene->mesh.cells + 1 &&
+                     (PetscInt)(first[k] + count[k]) <= n);
+  if (same) PetscCall(PetscArraycpy(scene->mesh.s, s + (PetscInt)first[k], scene->mesh.cells + 1));
+  PetscCall(PetscFree(s));
+  PetscCall(PetscFree(first));
+  PetscCall(PetscFree(count));
+  UserCheck(same, OptionsComm(), "-rod_cells %d: the run in -restart %s has another number",
+            (int)scene->mesh.cells, from);
   PetscFunctionReturn(0);
 }
 

@@ -18,6 +18,8 @@ typedef struct {
   PetscInt n;
   Output *each;        /* [n], kept in memory */
   const char *stopped; /* by what the run was interrupted; empty: it was not */
+  PetscErrorCode (*keep)(void *ctx, HdfFile file); /* what the run needs to go on from here */
+  void *ctx;
   PetscLogDouble stored_at, cost;
   PetscBool there, broken;
 } Several;
@@ -25,6 +27,8 @@ typedef struct {
 PetscErrorCode SeveralBegin(Several *self);
 PetscBool SeveralDue(const Several *self);
 PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished);
+PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, PetscReal interval);
+PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene);
 PetscErrorCode SeveralEnd(Several *self);
 
 #endif

@@ -17,22 +17,31 @@ typedef struct {
   Grow *each; /* what is seen of each */
   Output *output;
   Several file;
-  PetscReal end, rtol, interval, next_output, stored_shape, t;
+  const char *restart; /* the file to go on from; empty: none */
+  RestartState from;   /* of all, there, */
+  RestartState *own;   /* and of each */
+  OptionWords words;   /* the sections of that file */
+  PetscReal end, rtol, eased, start, interval, next_output, stored_shape, t;
   PetscReal way, report_at;
   PetscBool quiet, begun, store;
-  PetscInt snaps, iterations;
+  PetscInt snaps;
+  PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
   int stopped;
   char interrupted[64];
   TSConvergedReason reason;
   PetscLogDouble begin, reported;
 } Run;
 
-/* SeveralAsked - has the scene several rods? */
+/* SeveralAsked - has the scene several rods, or the run that is gone on with? */
 PetscErrorCode SeveralAsked(PetscBool *asked) {
   const CommandLine *line = OptionsLine();
+  char restart[PETSC_MAX_PATH_LEN] = "";
 
   PetscFunctionBegin;
   *asked = (PetscBool)(!OptionsPushed() && line && line->taken.sections > 0);
+  if (*asked || OptionsPushed()) PetscFunctionReturn(0);
+  PetscCall(OptionText("-restart", restart, NULL));
+  if (restart[0]) PetscCall(HdfHas(restart, "/rods/text", asked));
   PetscFunctionReturn(0);
 }
 
@@ -63,12 +72,16 @@ static PetscErrorCode MakeScene(Run *self, PetscInt k) {
   scene->space.rod = PETSC_TRUE;
   PetscCall(CheckRod(scene));
   SceneAtTolerance(scene, self->rtol);
+  if (!self->restart[0]) PetscFunctionReturn(0);
+  PetscCall(SeveralLabels(self->restart, k, scene));
+  PetscCall(SceneRecall(scene, &self->own[k].laws));
   PetscFunctionReturn(0);
 }
 
-/* Can any rod touch something, by what is given? Steps are coarser then. */
+/* Can any rod touch something, by what is given? Steps are coarser then, and may be eased, as for a
+   rod alone (grow_begin.c). */
 static PetscErrorCode ReadTolerance(Run *self) {
-  PetscBool touches = PETSC_FALSE;
+  PetscBool touches = PETSC_FALSE, given, eased;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && !touches; k++) {
@@ -76,8 +89,15 @@ static PetscErrorCode ReadTolerance(Run *self) {
     PetscCall(OptionGiven("-wall_file", &touches));
     PetscCall(RodsLeave(self->rods));
   }
+  PetscCall(OptionGiven("-ts_rtol", &given));
   if (touches) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
   PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
+  if (touches && !given)
+    PetscCall(OptionDefault("-contact_rtol", "%.3g", grow_rule.contact_eases * self->rtol));
+  PetscCall(OptionReal("-contact_rtol", &self->eased, &eased));
+  UserCheck(!eased || (touches && self->eased >= self->rtol), OptionsComm(),
+            "-contact_rtol: is at least -ts_rtol, of rods that can touch a wall; take it out");
+  if (!eased) self->eased = self->rtol;
   PetscFunctionReturn(0);
 }
 
@@ -143,16 +163,172 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   grow->end = self->end;
   grow->reach = grow->scene->reach;
   grow->now = &grow->leg[SPACE];
+  grow->eased = grow->scene->contact.any ? self->eased : self->rtol;
   PetscCall(LegPart(&self->leg, k, grow->now));
+  grow->now->ease.most = grow->eased / self->rtol;
   PetscCall(LegPartFollow(grow->now));
   PetscCall(EstimateCreate(grow->now, &grow->estimate));
   PetscCall(ObserverCreate(grow->scene, &grow->observer));
-  PetscCall(GrowCheckStart(grow));
-  PetscCall(RodBegin(grow->now->rod, grow->now->U));
+  if (!self->restart[0]) {
+    PetscCall(GrowCheckStart(grow));
+    PetscCall(RodBegin(grow->now->rod, grow->now->U));
+  }
   PetscCall(OutputCreate("", grow->scene, &grow->output));
   PetscCall(OutputKeep(grow->output, PETSC_TRUE, PETSC_TRUE));
   if (GrowFollowsErrors(grow)) PetscCall(OutputFollows(grow->output));
   self->output[k] = grow->output;
+  PetscFunctionReturn(0);
+}
+
+/* ---- what a run needs to go on ---- */
+
+/* The errors of one rod, which are followed, as its part of those of all; back: taken from there.
+ */
+static PetscErrorCode CopyErrors(const Run *self, PetscInt k, Vec all[], Vec own[],
+                                 PetscBool back) {
+  Vec part;
+
+  PetscFunctionBegin;
+  for (int i = 0; i < ESTIMATE_KEPT; i++) {
+    PetscCall(RodPartOpen(self->leg.rod, k, all[i], &part));
+    PetscCall(back ? VecCopy(part, own[i]) : VecCopy(own[i], part));
+    PetscCall(RodPartClose(self->leg.rod, k, all[i], &part));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Of each rod, and its errors. */
+static PetscErrorCode KeepEach(Run *self, RestartState own[], Vec all[]) {
+  Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) {
+    PetscCall(LegPartFollow(self->each[k].now));
+    PetscCall(GrowKeep(&self->each[k], &own[k], points, errors));
+    if (!self->each[k].estimate) continue;
+    PetscCall(CopyErrors(self, k, all, errors, PETSC_FALSE));
+    PetscCall(EstimateVectorsDestroy(self->each[k].estimate, errors));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Keeps it in a file that is being written. */
+static PetscErrorCode Keep(void *ctx, HdfFile file) {
+  Run *self = (Run *)ctx;
+  Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
+  RestartState state = {.model = SPACE}, *own;
+  PetscInt iterations, rejected;
+
+  PetscFunctionBegin;
+  if (self->t == 0) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(self->n, &own));
+  for (int i = 0; i < ESTIMATE_KEPT; i++) {
+    PetscCall(VecDuplicate(self->leg.U, &errors[i]));
+    PetscCall(VecZeroEntries(errors[i]));
+  }
+  PetscCall(KeepEach(self, own, errors));
+  PetscCall(RestartKeep(&self->leg, self->t, self->leg.U, &state, points));
+  PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
+  PetscCall(TSGetStepRejections(self->leg.ts, &rejected));
+  state.counted[0] = self->counted[0] + iterations;
+  state.counted[1] = self->counted[1] + rejected;
+  state.kept.snaps = self->snaps;
+  PetscCall(RestartWrite(file, self->leg.rod->scene, self->leg.rod, &state, points, errors));
+  PetscCall(RememberedWriteEach(file, self->n, own));
+  for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDestroy(&errors[i]));
+  PetscCall(PetscFree(own));
+  PetscFunctionReturn(0);
+}
+
+/* Reads it, and the rods of the file, which count unless the scene is given anew. */
+static PetscErrorCode ReadRestart(Run *self) {
+  char fault[WORDS_FAULT] = "", *text;
+  PetscBool begun;
+
+  PetscFunctionBegin;
+  PetscCall(HdfHas(self->restart, "/restart/each", &begun));
+  UserCheck(begun, OptionsComm(),
+            "-restart %s: holds no run of several rods that has taken a step; run the scene anew",
+            self->restart);
+  PetscCall(HdfReadText("-restart", self->restart, "/rods/text", &text));
+  UserCheck(WordsAddText(&self->words, self->restart, text, fault), OptionsComm(), "%s", fault);
+  PetscCall(PetscFree(text));
+  PetscCall(RememberedRead(self->restart, OptionsComm(), &self->from));
+  PetscFunctionReturn(0);
+}
+
+/* The rods are those of the file, in its order. */
+static PetscErrorCode ReadEach(Run *self) {
+  char text[64];
+
+  PetscFunctionBegin;
+  UserCheck(self->words.sections == self->n, OptionsComm(),
+            "-restart %s: has %d rods, and the scene has %d", self->restart, self->words.sections,
+            (int)self->n);
+  for (PetscInt k = 0; k < self->n; k++) {
+    const char *name = self->words.section[k].head + strlen("rod ");
+    UserCheck(!strcmp(name, RodsName(self->rods, k)), OptionsComm(),
+              "-restart %s: its rod %d is %s, and that of the scene %s", self->restart, (int)k + 1,
+              name, RodsName(self->rods, k));
+  }
+  UserCheck(self->end > self->from.t * (1 + 1e-12), OptionsComm(),
+            "-restart %s: is at t = %s already; give a later -ts_max_time", self->restart,
+            OptionBoth(self->from.t, UNIT_TIME, text));
+  PetscCall(PetscMalloc1(self->n, &self->own));
+  PetscCall(RememberedReadEach(self->restart, OptionsComm(), self->n, self->own));
+  PetscFunctionReturn(0);
+}
+
+/* One rod goes on. */
+static PetscErrorCode GoOnEach(Run *self, PetscInt k, Vec all[]) {
+  const RestartState *state = &self->own[k];
+  Grow *grow = &self->each[k];
+  LegMeasure *of = &self->leg.of[k];
+  Vec errors[ESTIMATE_KEPT];
+
+  PetscFunctionBegin;
+  PetscCall(ObserverSetBalance(grow->observer, state->balance));
+  PetscCall(EstimateSet(grow->estimate, state->t, state->errors));
+  if (grow->estimate && state->follows != 0) {
+    PetscCall(EstimateVectors(grow->estimate, errors));
+    PetscCall(CopyErrors(self, k, all, errors, PETSC_TRUE));
+    PetscCall(EstimateTake(grow->estimate, state->following, errors));
+    PetscCall(EstimateVectorsDestroy(grow->estimate, errors));
+  }
+  if (state->laws.falls > 0) SceneAtSpeed(grow->scene, state->laws.falls);
+  grow->kept = state->kept;
+  grow->seen = state->seen;
+  grow->seen.t = grow->start = grow->stored_shape = state->t;
+  PetscCall(PetscArraycpy(grow->counted, state->counted, 2));
+  grow->now->ease.times = PetscMin(state->ease, grow->now->ease.most);
+  grow->now->ease.wants = PetscMin(state->wants, grow->now->ease.most);
+  grow->now->ease.others = state->others;
+  PetscCall(PetscArraycpy(of->kick, state->kick, RESTART_KICKS));
+  of->kick_ends = state->kick_ends;
+  PetscFunctionReturn(0);
+}
+
+/* All of them do. */
+static PetscErrorCode GoOn(Run *self) {
+  Vec errors[ESTIMATE_KEPT];
+  char text[64];
+
+  PetscFunctionBegin;
+  PetscCall(RestartTake(self->restart, &self->from, &self->leg));
+  self->leg.ease.times = self->from.ease;
+  for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDuplicate(self->leg.U, &errors[i]));
+  PetscCall(RestartReadErrors(self->restart, &self->from, PETSC_COMM_SELF, errors));
+  for (PetscInt k = 0; k < self->n; k++) PetscCall(GoOnEach(self, k, errors));
+  for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDestroy(&errors[i]));
+  self->t = self->start = self->stored_shape = self->from.t;
+  self->snaps = (PetscInt)self->from.kept.snaps;
+  PetscCall(PetscArraycpy(self->counted, self->from.counted, 2));
+  PetscCall(SeveralTake(&self->file, self->restart, self->t, self->interval));
+  self->next_output = self->interval;
+  while (self->next_output <= self->t * (1 + 1e-12)) self->next_output += self->interval;
+  if (!self->quiet)
+    PetscCall(PetscPrintf(PETSC_COMM_SELF, "goes on from t = %s of %s, into %s\n",
+                          OptionBoth(self->t, UNIT_TIME, text), self->restart, self->file.path));
   PetscFunctionReturn(0);
 }
 
@@ -230,9 +406,9 @@ static PetscErrorCode Progress(Run *self, PetscBool last) {
   if (!last && now - self->reported < 1 && self->t < self->report_at) PetscFunctionReturn(0);
   self->reported = now;
   self->report_at = self->t + self->end / 10;
-  if (now - self->begin > 0.5 && self->t > 0.02 * self->end && !last)
+  if (now - self->begin > 0.5 && self->t > self->start + 0.02 * self->end && !last)
     (void)snprintf(left, sizeof(left), "%9.1f s",
-                   (now - self->begin) * (self->end - self->t) / self->t);
+                   (now - self->begin) * (self->end - self->t) / (self->t - self->start));
   for (PetscInt k = 0; k < self->n; k++) length = PetscMax(length, self->each[k].seen.length);
   (void)OptionShownIn(self->end, UNIT_TIME, &time);
   (void)OptionShownIn(length, UNIT_LENGTH, &unit);
@@ -325,10 +501,10 @@ static PetscErrorCode Summary(Run *self) {
   PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
   PetscCall(PetscTime(&now));
   PetscCall(TellRods(self));
-  PetscCall(PetscPrintf(PETSC_COMM_SELF,
-                        "t = %s: %d rods, %d steps, %d rejected, %d Newton iterations, %.3f s",
-                        OptionBoth(self->t, UNIT_TIME, text), (int)self->n, (int)steps,
-                        (int)rejected, (int)iterations, now - self->begin));
+  PetscCall(PetscPrintf(
+      PETSC_COMM_SELF, "t = %s: %d rods, %d steps, %d rejected, %d Newton iterations, %.3f s",
+      OptionBoth(self->t, UNIT_TIME, text), (int)self->n, (int)steps,
+      (int)(rejected + self->counted[1]), (int)(iterations + self->counted[0]), now - self->begin));
   if (self->snaps)
     PetscCall(
         PetscPrintf(PETSC_COMM_SELF, "; %d snap%s", (int)self->snaps, self->snaps > 1 ? "s" : ""));
@@ -386,11 +562,15 @@ static PetscErrorCode Finish(Run *self) {
 }
 
 static PetscErrorCode Begin(Run *self) {
+  const OptionWords *given = &OptionsLine()->taken;
+
   PetscFunctionBegin;
-  PetscCall(RodsRead(&OptionsLine()->taken, &self->rods));
+  if (self->restart[0]) PetscCall(ReadRestart(self));
+  PetscCall(RodsRead(given->sections ? given : &self->words, &self->rods));
   self->n = RodsCount(self->rods);
   UserCheck(self->n > 0, OptionsComm(), "[rods]: the table has no row, and so there is no rod");
   PetscCall(ReadOptions(self));
+  if (self->restart[0]) PetscCall(ReadEach(self));
   PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
   PetscCall(MakeLeg(self));
   self->leg.owner = self;
@@ -408,12 +588,18 @@ static PetscErrorCode Begin(Run *self) {
   self->file.n = self->n;
   self->file.each = self->output;
   self->file.stopped = self->interrupted;
+  self->file.keep = Keep;
+  self->file.ctx = self;
   PetscCall(SeveralBegin(&self->file));
   self->begun = PETSC_TRUE;
-  PetscCall(Look(self, 0, PETSC_TRUE));
-  PetscCall(StoreShape(self, 0, NULL));
-  self->next_output = self->interval;
-  PetscCall(SeveralStore(&self->file, 0, PETSC_FALSE)); /* what cannot be written shows early */
+  if (self->restart[0])
+    PetscCall(GoOn(self));
+  else {
+    PetscCall(Look(self, 0, PETSC_TRUE));
+    PetscCall(StoreShape(self, 0, NULL));
+    self->next_output = self->interval;
+  }
+  PetscCall(SeveralStore(&self->file, self->t, PETSC_FALSE)); /* what cannot be written shows */
   PetscFunctionReturn(0);
 }
 
@@ -455,28 +641,28 @@ static PetscErrorCode End(Run *self) {
   PetscCall(PetscFree3(self->scene, self->each, self->output));
   if (self->begun) PetscCall(SeveralEnd(&self->file));
   PetscCall(RodsDestroy(&self->rods));
+  PetscCall(PetscFree(self->own));
+  WordsFree(&self->words);
   PetscFunctionReturn(0);
 }
 
 /* SeveralRun - follows the rods of a scene from t = 0 to its end time. Each is on this rank, and
    several ranks are refused. */
 PetscErrorCode SeveralRun(const Single *asked) {
-  const CommandLine *line = OptionsLine();
-  Run run = {.stopped = 0};
+  const OptionWords *given = &OptionsLine()->taken;
+  const char *head = given->sections ? given->section[0].head : "rod";
+  Run run = {.restart = asked->restart};
   PetscErrorCode error;
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(OptionsComm(), &ranks));
   UserCheck(ranks == 1, OptionsComm(),
-            "[%s]: several rods run on one rank in this version; start without mpiexec",
-            line->taken.section[0].head);
+            "[%s]: several rods run on one rank in this version; start without mpiexec", head);
   UserCheck(asked->task == TASK_GROW, OptionsComm(),
-            "[%s]: this -task knows one rod; take the sections out, or the -task",
-            line->taken.section[0].head);
-  UserCheck(!asked->restart[0], OptionsComm(),
-            "-restart: a run of several rods is not gone on with in this version; take it out");
-  PetscCall(PetscStrncpy(run.file.path, asked->output, sizeof(run.file.path)));
+            "[%s]: this -task knows one rod; take the sections out, or the -task", head);
+  PetscCall(PetscStrncpy(run.file.path, asked->output[0] ? asked->output : asked->restart,
+                         sizeof(run.file.path)));
   error = BeginAndRun(&run);
   if (error && run.begun) (void)SeveralStore(&run.file, run.t, PETSC_FALSE);
   PetscCall(End(&run));

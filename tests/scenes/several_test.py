@@ -128,6 +128,36 @@ def tables_sections_and_prefixes_say_the_same():
     expect((x == np.concatenate([by_hand["a1"][0], by_hand["a2"][0]], axis=1)).all(), "not the same")
 
 
+@check
+def a_run_that_was_stopped_goes_on_to_the_last_digit():
+    """With friction that is held exactly, and in contact: series and shapes of the unbroken run."""
+    rods = with_wall(RODS)
+    rods["pressed"] += " -friction_beta 0"
+    path = file(lines(SHARED) + "".join(f"[rod {name}]\n{lines(own)}" for name, own in rods.items()))
+    whole, part = Path(scene.SCRATCH) / "whole.h5", Path(scene.SCRATCH) / "part.h5"
+
+    def run(*words):
+        return subprocess.run([scene.TENDRIL, *map(str, words), "-quiet"], capture_output=True, text=True, env=scene.ENVIRONMENT)
+
+    done = run("-options_file", path, "-output", whole)
+    expect(done.returncode == 0, done.stderr)
+    with h5py.File(whole) as f:
+        steps = len(f["series/t"])
+    stopped = run("-options_file", path, "-output", part, "-ts_max_steps", steps // 2)
+    expect("-ts_max_steps: reached" in stopped.stderr, stopped.stderr)
+    again = run("-restart", part)
+    expect(again.returncode == 0 and not again.stderr, again.stderr)
+    with h5py.File(whole) as a, h5py.File(part) as b:
+        for group in ("series", "rods/series", "shapes"):
+            for name in a[group]:
+                one, two = a[group][name][:], b[group][name][:]
+                expect(one.shape == two.shape and np.array_equal(one, two, equal_nan=True), f"{group}/{name} differs")
+    late = run("-restart", part)
+    expect("give a later -ts_max_time" in late.stderr, late.stderr)
+    other = run("-restart", part, "-options_file", file("[rod a]\n"), "-ts_max_time", 2)
+    expect("has 4 rods, and the scene has 1" in other.stderr, other.stderr)
+
+
 REFUSED = [  # (lines of a scene, more words, what is said)
     ("[rod a]\n-friction_nu 1\n", "", "several.opts, line 2, rod a: -friction_nu: unknown option, did you mean -friction_mu?"),
     ("[rod a]\n\n-rod_curvature x\n", "", "several.opts, line 3, rod a: -rod_curvature x: give a number"),
