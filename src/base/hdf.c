@@ -499,8 +499,8 @@ PetscErrorCode HdfDelete(HdfFile file, const char *name) {
   PetscFunctionReturn(0);
 }
 
-/* Reads a dataset of `rank` dimensions; data is allocated. */
-static PetscErrorCode ReadAll(hid_t f, const char *name, int rank, PetscInt dims[],
+/* Reads a dataset of `rank` dimensions; data is allocated. gaps: it may have some, NaN. */
+static PetscErrorCode ReadAll(hid_t f, const char *name, PetscBool gaps, int rank, PetscInt dims[],
                               PetscReal **data, char fault[HDF_FAULT]) {
   hid_t d = H5Dopen2(f, name, H5P_DEFAULT), space;
   hsize_t sizes[HDF_RANK], total = 1;
@@ -530,7 +530,7 @@ static PetscErrorCode ReadAll(hid_t f, const char *name, int rank, PetscInt dims
     if (H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *data) < 0)
       (void)snprintf(fault, HDF_FAULT, "%s cannot be read as numbers; is the file whole?", name);
     for (hsize_t i = 0; i < total && !fault[0]; i++)
-      if (PetscIsInfOrNanReal((*data)[i]))
+      if (PetscIsInfOrNanReal((*data)[i]) && !(gaps && PetscIsNanReal((*data)[i])))
         (void)snprintf(fault, HDF_FAULT, "%s has a value that is not finite", name);
   }
   H5Dclose(d);
@@ -555,6 +555,30 @@ static PetscErrorCode Verdict(const char *option, const char *path, char fault[H
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode Read(const char *option, const char *path, const char *name, PetscBool gaps,
+                           int rank, PetscInt dims[], PetscReal **data) {
+  char fault[HDF_FAULT] = "";
+  PetscMPIInt me;
+  PetscInt total = 1;
+  hid_t f = -1;
+
+  PetscFunctionBegin;
+  *data = NULL;
+  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
+  if (!me) f = OpenToRead(path, fault);
+  if (f >= 0) {
+    PetscCall(ReadAll(f, name, gaps, rank, dims, data, fault));
+    H5Fclose(f);
+  }
+  if (fault[0]) PetscCall(PetscFree(*data));
+  PetscCall(Verdict(option, path, fault));
+  PetscCallMPI(MPI_Bcast(dims, rank, MPIU_INT, 0, OptionsComm()));
+  for (int i = 0; i < rank; i++) total *= dims[i];
+  if (me) PetscCall(PetscMalloc1(total, data));
+  PetscCallMPI(MPI_Bcast(*data, (PetscMPIInt)total, MPIU_REAL, 0, OptionsComm()));
+  PetscFunctionReturn(0);
+}
+
 /*
   HdfRead - reads a whole array of reals from a file. Collective on OptionsComm(): rank 0 reads.
 
@@ -568,25 +592,16 @@ static PetscErrorCode Verdict(const char *option, const char *path, char fault[H
 */
 PetscErrorCode HdfRead(const char *option, const char *path, const char *name, int rank,
                        PetscInt dims[], PetscReal **data) {
-  char fault[HDF_FAULT] = "";
-  PetscMPIInt me;
-  PetscInt total = 1;
-  hid_t f = -1;
-
   PetscFunctionBegin;
-  *data = NULL;
-  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
-  if (!me) f = OpenToRead(path, fault);
-  if (f >= 0) {
-    PetscCall(ReadAll(f, name, rank, dims, data, fault));
-    H5Fclose(f);
-  }
-  if (fault[0]) PetscCall(PetscFree(*data));
-  PetscCall(Verdict(option, path, fault));
-  PetscCallMPI(MPI_Bcast(dims, rank, MPIU_INT, 0, OptionsComm()));
-  for (int i = 0; i < rank; i++) total *= dims[i];
-  if (me) PetscCall(PetscMalloc1(total, data));
-  PetscCallMPI(MPI_Bcast(*data, (PetscMPIInt)total, MPIU_REAL, 0, OptionsComm()));
+  PetscCall(Read(option, path, name, PETSC_FALSE, rank, dims, data));
+  PetscFunctionReturn(0);
+}
+
+/* HdfReadGaps - the same, of an array that has NaN where there is nothing. Collective. */
+PetscErrorCode HdfReadGaps(const char *option, const char *path, const char *name, int rank,
+                           PetscInt dims[], PetscReal **data) {
+  PetscFunctionBegin;
+  PetscCall(Read(option, path, name, PETSC_TRUE, rank, dims, data));
   PetscFunctionReturn(0);
 }
 

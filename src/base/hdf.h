@@ -43,6 +43,8 @@ PetscErrorCode HdfInt(HdfFile file, const char *object, const char *name, int va
 /* reading, collective on OptionsComm(): rank 0 reads and tells the others */
 PetscErrorCode HdfRead(const char *option, const char *path, const char *name, int rank,
                        PetscInt dims[], PetscReal **data);
+PetscErrorCode HdfReadGaps(const char *option, const char *path, const char *name, int rank,
+                           PetscInt dims[], PetscReal **data);
 PetscErrorCode HdfReadQuantity(const char *option, const char *path, const char *name,
                                Dimension dimension, int rank, PetscInt dims[], PetscReal **data);
 PetscErrorCode HdfReadText(const char *option, const char *path, const char *name, char **text);

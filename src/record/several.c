@@ -266,7 +266,7 @@ static PetscErrorCode TakeSeries(const Several *self, const char *from, int obse
   PetscFunctionBegin;
   (void)snprintf(path, sizeof(path), same ? "/series/%s" : "/rods/series/%s",
                  observed_name[observed]);
-  PetscCall(HdfRead("-restart", from, path, same ? 1 : 2, dims, &value));
+  PetscCall(HdfReadGaps("-restart", from, path, same ? 1 : 2, dims, &value));
   for (PetscInt i = 0; i < PetscMin(rows, dims[0]); i++)
     for (PetscInt k = 0; k < self->n; k++)
       ((PetscReal *)&self->each[k]->series[i])[observed] =

@@ -23,7 +23,7 @@ typedef struct {
   OptionWords words;   /* the sections of that file */
   PetscReal end, rtol, eased, start, interval, next_output, stored_shape, t;
   PetscReal way, report_at;
-  PetscBool quiet, begun, store;
+  PetscBool quiet, begun, ready; /* ready: what there is may be stored */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
   int stopped;
@@ -599,6 +599,7 @@ static PetscErrorCode Begin(Run *self) {
     PetscCall(StoreShape(self, 0, NULL));
     self->next_output = self->interval;
   }
+  self->ready = PETSC_TRUE;
   PetscCall(SeveralStore(&self->file, self->t, PETSC_FALSE)); /* what cannot be written shows */
   PetscFunctionReturn(0);
 }
@@ -664,7 +665,7 @@ PetscErrorCode SeveralRun(const Single *asked) {
   PetscCall(PetscStrncpy(run.file.path, asked->output[0] ? asked->output : asked->restart,
                          sizeof(run.file.path)));
   error = BeginAndRun(&run);
-  if (error && run.begun) (void)SeveralStore(&run.file, run.t, PETSC_FALSE);
+  if (error && run.ready) (void)SeveralStore(&run.file, run.t, PETSC_FALSE);
   PetscCall(End(&run));
   PetscCall(error);
   PetscFunctionReturn(0);

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 SHARED = ("-growth_type uniform -growth_initial_length 1 -friction_beta 1e-4 -shape_type sag -shape_amplitude 1e-3 "
-          "-ts_max_time 1 -rod_cells 40 -output_shapes 4 ")
+          "-ts_max_time 1 -rod_cells 40 -output_interval 0.25 ")
 RODS = {"tap": "-growth_initial_length 0.7",
         "left": "-clamp_place 0,2,0.5 -rod_cells 50 -rod_curvature 0.4 -friction_mu 0.9",
         "heavy": "-clamp_place 0,-2,0.5 -clamp_direction 0,1,1 -rod_weight 0,0,-0.2 -rod_curvature_2 0.4",
