@@ -258,9 +258,7 @@ static PetscErrorCode ReadRestart(Run *self) {
 }
 
 /* The rods are those of the file, in its order. */
-static PetscErrorCode ReadEach(Run *self) {
-  char text[64];
-
+static PetscErrorCode CheckSame(const Run *self) {
   PetscFunctionBegin;
   UserCheck(self->words.sections == self->n, OptionsComm(),
             "-restart %s: has %d rods, and the scene has %d", self->restart, self->words.sections,
@@ -271,6 +269,14 @@ static PetscErrorCode ReadEach(Run *self) {
               "-restart %s: its rod %d is %s, and that of the scene %s", self->restart, (int)k + 1,
               name, RodsName(self->rods, k));
   }
+  PetscFunctionReturn(0);
+}
+
+/* What each remembers. */
+static PetscErrorCode ReadEach(Run *self) {
+  char text[64];
+
+  PetscFunctionBegin;
   UserCheck(self->end > self->from.t * (1 + 1e-12), OptionsComm(),
             "-restart %s: is at t = %s already; give a later -ts_max_time", self->restart,
             OptionBoth(self->from.t, UNIT_TIME, text));
@@ -569,6 +575,7 @@ static PetscErrorCode Begin(Run *self) {
   PetscCall(RodsRead(given->sections ? given : &self->words, &self->rods));
   self->n = RodsCount(self->rods);
   UserCheck(self->n > 0, OptionsComm(), "[rods]: the table has no row, and so there is no rod");
+  if (self->restart[0]) PetscCall(CheckSame(self));
   PetscCall(ReadOptions(self));
   if (self->restart[0]) PetscCall(ReadEach(self));
   PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
