@@ -895,6 +895,6 @@ def main(arguments=None):
     figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
                   titles=choice.titles.split(",") if choice.titles else None,
                   beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
-    tell_missing(results, times or (), choice.si)
+    tell_missing(runs_of(results, "plot"), times or (), choice.si)
     print(f"plot: {save(figure, output, None)}")
     return 0
