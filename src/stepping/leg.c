@@ -357,22 +357,6 @@ PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leav
   PetscFunctionReturn(0);
 }
 
-/* What held places at rest before a snap holds them no more: the shifts of exact Coulomb friction
-   (Newton's method remembers them) begin anew. */
-static PetscErrorCode LetGo(Rod rod) {
-  Vec none;
-  DM da;
-
-  PetscFunctionBegin;
-  if (!rod->memory || !RodSticks(rod)) PetscFunctionReturn(0);
-  PetscCall(RodCreateMemory(rod, &da, &none));
-  PetscCall(VecSet(none, 0));
-  PetscCall(RodRecall(rod, none));
-  PetscCall(VecDestroy(&none));
-  PetscCall(DMDestroy(&da));
-  PetscFunctionReturn(0);
-}
-
 /*
   LegSpeed - the speed of the fastest place behind an accepted step, over that at which the rod
   grows. While it snaps its friction is rounded off (SceneAtSpeed()). Collective.
@@ -392,7 +376,6 @@ PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins) {
   falls = (PetscBool)(RodIsDry(rod) &&
                       *speed > (before > 0 ? step_rule.snapped_at : step_rule.snaps_at));
   *begins = (PetscBool)(falls && before == 0);
-  if (*begins) PetscCall(LetGo(rod));
   if (falls || before > 0) RodAtSpeed(rod, falls ? fastest : 0);
   PetscFunctionReturn(0);
 }
