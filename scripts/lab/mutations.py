@@ -96,8 +96,8 @@ MUTATIONS = [
     ("highest order 5", *rule(S, "highest_order", "6", "5")),
     ("kicked, never", *rule(S, "wall_onset", "1e-4", "0")),
     ("kicked, soon", *rule(S, "wall_onset", "1e-4", "0.1")),
-    ("kick, never over", L, "if (t >= leg->kick_ends) leg->kick[f] = 0;", ""),
-    ("longer than it is", L, "Reach(leg->rod->model, size) <= step_rule.reach_slack * length);", "1);"),
+    ("kick, never over", L, "if (t >= of->kick_ends) of->kick[f] = 0;", ""),
+    ("longer than it is", L, "Reach(rod->model, of->tried) <= step_rule.reach_slack * length);", "1);"),
     ("guard, none", L, "PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));", ""),
     ("first guess at rest", L, "PetscCall(RodGrowNodes(rod, t0, t1, nodes));", ""),
     ("theta not extrapolated", L, "if (theta && !given) PetscCall(PetscOptionsSetValue(NULL, option, \"true\"));", ""),
@@ -150,7 +150,7 @@ MUTATIONS = [
     ("the last step, of a run that goes on", C, "PetscMin(left, end - ts->ptime)", "left"),
     ("contact never gets firm", "rod/ask.c", "    if (ContactGetsFirm(contact, deepest)) *firm = PETSC_TRUE;", "    (void)deepest;"),
     # -- what snaps and sticking need of friction
-    ("next to exact, never", "scene/scene.c", "if (self->growth->rests) LoadNextToExact(&self->load);", ""),
+    ("next to exact, never", "scene/scene.c", "if (self->growth->rests || self->growth->yield > 0) LoadNextToExact(&self->load);", ""),
     ("told from rest, nothing", "world/load.c", "if (load->limit) load->friction.beta = PetscMax", "if (0) load->friction.beta = PetscMax"),
     # -- contact: where it sets in, and what a rod without a thickness is behind
     ("part_smooth, little", "world/contact.c", "part_smooth = 2;", "part_smooth = 0.2;"),

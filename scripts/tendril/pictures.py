@@ -26,31 +26,36 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import RendererAgg
-from matplotlib.colors import to_rgb
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
+from .bends import bends_of
 from .command import Parser
 from .errors import ResultsError, arguments
 from .loading import load, runs_of
 from .naming import did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results
+from .senses import strain_rate
+from .several import Rod
 from .solids import solids
 from .spatial import diameter_of, lift, out_of_plane, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length, contact_force, size_of
 from .titles import titles_of
 from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment, scale_of
-from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
+from .walls import draw_contact, draw_lamp, draw_rod, draw_walls, strongest_contact
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+NAMED = 24  # of an overlay: more runs have colours alone
 STYLES = ("-", "--", ":", "-.", (0, (4, 1, 1, 1, 1, 1)))
 
 
@@ -214,8 +219,9 @@ def panel_power(ax, r, view):
     if any(np.abs(run.series.get("tip_power", 0)).max() > 1e-4 * run.series.growth_power.max()
            for run in view.results):
         lines.append(("tip_power", "tip", GREEN, ":"))
-    if any("curvature_power" in run.series for run in view.results):
-        lines.append(("curvature_power", "steering", RED, "-."))
+    for name, text in (("curvature_power", "steering"), ("tropism_power", "bending itself")):
+        if any(name in run.series for run in view.results):
+            lines.append((name, text, RED, "-."))
     curves("N l V", "power", *lines)(ax, r, view)
 
 
@@ -260,6 +266,8 @@ def panel_shapes(ax, r, view):
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, :2], unit, **look))
     if not r.in_space:
         draw_walls(ax, r, unit, t=max(view.times_of(r), default=0.0))  # what moves: at the last of the times
+    else:
+        draw_lamp(ax, r, (0, 1), unit)
     axes_of_place(ax, view)
 
 
@@ -268,6 +276,7 @@ def panel_side(ax, r, view):
     unit = view.of(r).of("length", 1.0)
     in_space("side", r)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, ::2], unit, **look))
+    draw_lamp(ax, r, (0, 2), unit)
     axes_of_place(ax, view, "$x_3$")
 
 
@@ -276,6 +285,7 @@ def panel_front(ax, r, view):
     unit = view.of(r).of("length", 1.0)
     in_space("front", r)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, 1:], unit, **look))
+    draw_lamp(ax, r, (1, 2), unit)
     ax.set_xlabel(view.of(r).label("$x_2$", "length"))
     ax.set_ylabel(view.of(r).label("$x_3$", "length"))
 
@@ -303,7 +313,7 @@ def panel_space(ax, r, view):
     drawn = [c for c in ax.collections if isinstance(c, Rods)]  # of the runs before, in an overlay
     rods = drawn[0] if drawn else ax.add_collection(Rods(zorder=3), autolim=False)
     rods.set_strands(rods.strands + strands)
-    ax.plot([0], [0], [0], "ks", ms=3, zorder=4)
+    ax.plot(*(unit * lift(r, r.stored(0)).x[:1].T), "ks", ms=3, zorder=4)
     beside = [] if view.overlay else [one for one in view.results if one is not r]  # their panels have the same box
     others = [view.of(one).of("length", lift(one, shape_of(one, t)).x) for one in beside for t in view.times_of(one)]
     low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands), *others]))
@@ -326,6 +336,58 @@ def along_rod(field, label, unit):
         ax.set_ylabel(f"{label} ({name_of_unit})" if name_of_unit else label)
 
     return panel
+
+
+def panel_bends(ax, r, view):
+    """At the times asked for: the bend along the rod, that which it has by nature, and that at which it would learn no more."""
+    times = view.times_of(r)
+    factor, unit = view.of(r).unit("1/l")
+    shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
+    for t, shade in zip(times, shades):
+        shape = r.at(t, nearest=True)
+        label = f"${view.of(r).of('time', shape.t):.4g}$"
+        for _, style, bend in bends_of(r, shape):
+            ax.plot(view.of(r).of("length", arc_length(shape)), factor * bend, linestyle=style, color=view.colour(r, shade),
+                    label=label)
+    shown = {"-": "line", "--": "dashed", ":": "dotted"}
+    told = ", ".join(f"{name} ({shown[style]})" for name, style, _ in bends_of(r, r.stored(0)))
+    ax.set_xlabel(view.of(r).label("distance from the clamp, along the rod", "length"))
+    ax.set_ylabel(told + (f" ({unit})" if unit else ""), fontsize=7)
+
+
+def panel_growth(ax, r, view):
+    """The rod at the times asked for, darker where it grows faster."""
+    unit, times = view.of(r).of("length", 1.0), view.times_of(r)
+    shapes = [r.at(t, nearest=True) for t in times]
+    rates = [strain_rate(r, shape) for shape in shapes]
+    most = max((rate.max() for rate in rates), default=0) or 1
+    name = view.units.scales["time"][1]
+    for shape, rate in zip(shapes, rates):
+        x, rate = unit * shape.x[:, :2], (rate[1:] + rate[:-1]) / 2
+        grows = rate > 0.01 * most
+        draw_rod(ax, r, shape.x[:, :2], unit, color=GREY, label=f"${view.of(r).of('time', shape.t):.4g}$")
+        ax.add_collection(LineCollection(np.stack([x[:-1], x[1:]], axis=1)[grows], array=rate[grows], cmap="YlGn",
+                                         norm=Normalize(0, most), linewidths=2.4, zorder=3))
+    ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=4)
+    draw_lamp(ax, r, (0, 1), unit)
+    axes_of_place(ax, view)
+    ax.set_xlabel(f"{ax.get_xlabel()}; darkest: grows by {briefly(most / view.second(r))}" + (f" 1/{name}" if name else ""))
+
+
+def panel_portrait(ax, r, view):
+    """The phase portrait of the tip: its angle and how fast that changes; in space where it points."""
+    if r.in_space:
+        ax.plot(r.shapes["d1"][:, -1, 1], r.shapes["d1"][:, -1, 2], color=view.colour(r, BLUE))
+        ends = r.shapes["d1"][[0, -1], -1, 1:].T
+        ax.set(xlabel="tip points along $x_2$", ylabel="along $x_3$")
+    else:
+        angle = r.series.tip_angle
+        turns = np.gradient(angle, view.of(r).of("time", r.series.t))
+        ax.plot(angle, turns, color=view.colour(r, BLUE))
+        ends = np.array([angle, turns])[:, [0, -1]]
+        ax.set(xlabel="angle of the tip", ylabel=view.of(r).label("turns by", "time").replace(" (", " (1/"))
+    for (x, y), fill in zip(ends.T, ("white", view.colour(r, BLUE))):  # its begin is open
+        ax.plot(x, y, "o", ms=4, color=view.colour(r, BLUE), mfc=fill)
 
 
 def panel_energy(ax, r, view):
@@ -378,6 +440,9 @@ PANELS = {
     "defect": panel_defect,
     "errors": panel_errors,
     "touch": panel_touch,
+    "bends": panel_bends,
+    "growth": panel_growth,
+    "portrait": panel_portrait,
     "curvature": along_rod(lambda r, shape: shape.curvature, r"curvature $\kappa$", "1/l"),
     "twisting": along_rod(lambda r, shape: lift(r, shape).strain[:, 0], "twist $u_1$", "1/l"),
     "pressure": along_rod(lambda r, shape: size_of(contact_force(r, shape)), "force of contact per length", "N"),
@@ -387,9 +452,10 @@ PANELS = {
 FIRST = ("shapes", "norm", "force", "energy")  # what is drawn if nothing is asked for
 OF_SPACE = ("space", "norm", "curvature", "twisting")  # ... of rods in space
 OF_CONTACT = ("touch", "pressure", "contact")  # of all of them drawn only if there is contact
+OF_SENSES = ("bends", "growth", "portrait")  # ... only of rods whose material bends itself
 ONLY_IN_SPACE = ("side", "front", "space", "twisting")  # ... only of rods in space
-SHAPES = ("shapes", "side", "front", "normalised", "touch")  # drawn with equal aspect
-TIMED = (*SHAPES, "space", "curvature", "twisting", "pressure")  # with times for a legend
+SHAPES = ("shapes", "side", "front", "normalised", "touch", "growth")  # drawn with equal aspect
+TIMED = (*SHAPES, "space", "bends", "curvature", "twisting", "pressure")  # with times for a legend
 __doc__ = __doc__.format(panels=", ".join(PANELS))
 
 
@@ -588,6 +654,8 @@ def place(figure, axes, aspects, shared, headed):
 def name_runs(figure, view, width):
     """The runs of an overlay, at the head of the figure, as many in a row as have room; the height they
     take."""
+    if len(view.results) > NAMED:
+        return 0.1
     renderer = RendererAgg(10, 10, figure.dpi)
     handles = [Line2D([], [], color=view.colour(r, "black")) for r in view.results]
     texts = [figure.text(0, 0, title, fontsize=STYLE["legend.fontsize"]) for title in view.titles]
@@ -715,6 +783,7 @@ def panels_of(asked, runs):
         touch = any("contact" in r.shapes for r in runs)
         return [name for name in PANELS
                 if (touch or name not in OF_CONTACT)
+                and (name not in OF_SENSES or all("tropism_power" in r.series for r in runs))
                 and (name not in ONLY_IN_SPACE or all(r.in_space for r in runs))
                 and (name != "touch" or not any(r.in_space for r in runs))]
     first = OF_SPACE if all(r.in_space for r in runs) else FIRST
@@ -722,6 +791,11 @@ def panels_of(asked, runs):
 
 
 @arguments(panels="texts?", times="times?", si="flag?", overlay="flag", titles="texts?")
+def of_one_file(runs) -> bool:
+    """Whether these are rods of one run, which are seen together."""
+    return len({r.path for r in runs}) == 1 and all(isinstance(r, Rod) for r in runs)
+
+
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
          times: Sequence[float | str] | None = None, si: bool | None = None, overlay: bool = False,
          titles: Sequence[str] | None = None, beside: Sequence[Results] = (),
@@ -750,7 +824,7 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
     if titles and len(titles) != len(runs):
         raise ResultsError(f"plot: {len(titles)} titles for {len(runs)} runs")
     beside = runs_of(beside, "plot: beside") if not isinstance(beside, (list, tuple)) or len(beside) else []
-    drawn = View(runs, Units(in_laboratory_of([*runs, *beside], si)), overlay=(overlay or ax is not None) and len(runs) > 1,
+    drawn = View(runs, Units(in_laboratory_of([*runs, *beside], si)), overlay=(overlay or ax is not None or of_one_file(runs)) and len(runs) > 1,
                  titles=titles_of(runs, titles),
                  beside={r.path: other for r, other in zip(runs, beside)}, view=sight(view))
     if times is not None:
@@ -821,6 +895,6 @@ def main(arguments=None):
     figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
                   titles=choice.titles.split(",") if choice.titles else None,
                   beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
-    tell_missing(results, times or (), choice.si)
+    tell_missing(runs_of(results, "plot"), times or (), choice.si)
     print(f"plot: {save(figure, output, None)}")
     return 0

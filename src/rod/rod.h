@@ -45,6 +45,7 @@ typedef struct {
      quaternion of the directors, moment and force, all in the clamp's frame, and rates */
   PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4], m3_t[3];
   NodeLearned learned[2]; /* at the node, and in the middle of the cell behind it */
+  PetscReal growth[2];    /* V and the length of the rod, where its growth feels force */
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
@@ -151,6 +152,8 @@ struct _Rod {
   const PetscReal *s; /* labels of its nodes, all of them */
   PetscInt rods;      /* of several that go together, how many, */
   Rod *each;          /* ... and these; of one, itself: see rod/ask.h */
+  const PetscInt
+      *at; /* where the nodes of each begin among all, and where they end; NULL: of one */
   Rod itself;
   DM da;                /* the unknowns: 1D DMDA over the nodes */
   DM nodes;             /* Node at each node, stencil 1 */
@@ -175,6 +178,8 @@ struct _Rod {
 extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_space;
 /* the same, whose material learns its natural curvature; that also remembers what it senses */
 extern const RodModel rod_frame_learns, rod_frame_remembers, rod_space_learns, rod_space_remembers;
+/* ... and whose growth feels the force along it */
+extern const RodModel rod_frame_yields, rod_frame_yields_remembers;
 extern const OptionGroup frame_options;
 
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
