@@ -17,21 +17,22 @@ static Block BlockOf(Bezier b) {
   return block;
 }
 
-static PetscBool Holds(const Block *block, const PetscReal x[2]) {
-  return (PetscBool)(x[0] >= block->low[0] && x[0] <= block->high[0] && x[1] >= block->low[1] &&
-                     x[1] <= block->high[1]);
+static PetscBool Holds(const Block *block, Vector2 x) {
+  return (PetscBool)(x.x >= block->low[0] && x.x <= block->high[0] && x.y >= block->low[1] &&
+                     x.y <= block->high[1]);
 }
 
 enum { DEEPEST = 48 }; /* as often is a curve divided, until round-off ends it */
 
 /* The angle by which the way from a to b turns about c. */
-static PetscReal Turn(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2]) {
-  const PetscReal o[2] = {a[0] - c[0], a[1] - c[1]}, p[2] = {b[0] - c[0], b[1] - c[1]};
-  return PetscAtan2Real(o[0] * p[1] - o[1] * p[0], o[0] * p[0] + o[1] * p[1]);
+static PetscReal Turn(const PetscReal a[], const PetscReal b[], Vector2 c) {
+  const Vector2 o = Minus2(From2(a), c), p = Minus2(From2(b), c);
+
+  return PetscAtan2Real(Cross2(o, p), Dot2(o, p));
 }
 
 /* ... the curve: as its chord, if c is not within its points. */
-static PetscReal CurveTurn(Bezier b, const PetscReal c[2], int depth) {
+static PetscReal CurveTurn(Bezier b, Vector2 c, int depth) {
   const Block block = BlockOf(b);
   Bezier half[2];
 
@@ -47,13 +48,11 @@ static PetscBool Cuts(Bezier b, const WallPiece *line, int depth) {
   Bezier half[2];
 
   for (int k = 0; k < 4; k++) {
-    const PetscReal o[2] = {b[k][0] - line->at[0], b[k][1] - line->at[1]},
-                    off = o[0] * line->n[0] + o[1] * line->n[1],
-                    along = o[0] * line->t[0] + o[1] * line->t[1];
-    low = PetscMin(low, off);
-    high = PetscMax(high, off);
-    near = PetscMin(near, along);
-    far = PetscMax(far, along);
+    const Vector2 o = Minus2(From2(b[k]), line->at);
+    low = PetscMin(low, Dot2(o, line->n));
+    high = PetscMax(high, Dot2(o, line->n));
+    near = PetscMin(near, Dot2(o, line->t));
+    far = PetscMax(far, Dot2(o, line->t));
   }
   if (low > 0 || high < 0 || far < 0 || near > line->edge) return PETSC_FALSE;
   if (depth == DEEPEST) return PETSC_TRUE;
@@ -80,7 +79,7 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   Foot foot;
 
   if (FootAbout(look->cell, post->at, &foot) &&
-      hypot(foot.on.x[0] - post->at[0], foot.on.x[1] - post->at[1]) < rho - deep)
+      Size2(Minus2(From2(foot.on.x), post->at)) < rho - deep)
     look->passes = PETSC_TRUE;
   return look->passes ? -1 : reach;
 }
@@ -98,17 +97,17 @@ static PetscReal MeetPart(PetscInt item, PetscReal reach, void *ctx) {
 /* Is a place of the rod behind any wall, or was it on its way there? (Only between the arms of
    conduits may it come out again: what is behind the other walls has no other side, or is seen by
    its edges and posts.) */
-static PetscBool Behind(const Contact *contact, const PetscReal x0[2], const PetscReal x1[2]) {
-  const PetscReal half = contact->diameter / 2, way = hypot(x1[0] - x0[0], x1[1] - x0[1]),
+static PetscBool Behind(const Contact *contact, const PetscReal x0[], const PetscReal x1[]) {
+  const Vector2 way = Minus2(From2(x1), From2(x0));
+  const PetscReal half = contact->diameter / 2,
                   deep = half > 0 ? half : rod_rule.lengths_behind * contact->tip;
   PetscInt n = 1;
 
   if (contact->walls.conduits)
-    n = (PetscInt)PetscMin(rod_rule.behind_states, PetscCeilReal(2 * way / deep));
+    n = (PetscInt)PetscMin(rod_rule.behind_states, PetscCeilReal(2 * Size2(way) / deep));
   for (PetscInt k = 1; k <= PetscMax(n, 1); k++) {
-    const PetscReal z = (PetscReal)k / PetscMax(n, 1);
-    PetscReal x[2];
-    for (int d = 0; d < 2; d++) x[d] = x0[d] + z * (x1[d] - x0[d]);
+    PetscReal x[3] = {0};
+    Put2(Along2(From2(x0), (PetscReal)k / PetscMax(n, 1), way), x);
     if (WallsGap(&contact->walls, x, half) < -deep) return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -162,7 +161,7 @@ typedef struct {
 
   so it does not matter which of its material is where.
 */
-static PetscReal Winding(const Cells *cells, const PetscReal c[2]) {
+static PetscReal Winding(const Cells *cells, Vector2 c) {
   PetscReal sum = 0;
 
   for (PetscInt k = 0; k < cells->n; k++)
@@ -285,7 +284,8 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
   for (PetscInt k = 0; k < n; k++) {
     const FootCell *cell = &cells.cell[1][k];
     if (CellIsBehind(contact, &cells.cell[0][k], cell)) verdict[PASSES] = 1;
-    if (ContactTouches(contact, cell->curve.x[1], touch) == MOST_TOUCHES) verdict[CROWDED] = 1;
+    if (ContactTouches(2, contact, cell->curve.x[1], touch) == MOST_WALL_TOUCHES)
+      verdict[CROWDED] = 1;
     if (contact->thin) FeetFind(contact, cell, contact->smooth, &feet);
     if (feet.n == MOST_FEET) verdict[FEET] = 1;
   }
@@ -296,7 +296,7 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
       !verdict[CROWDED], rod->scene->comm,
       "-wall_file: at t = %g %d walls or more touch the rod at one place: take out those that "
       "lie on each other",
-      (double)t1, (int)MOST_TOUCHES);
+      (double)t1, (int)MOST_WALL_TOUCHES);
   PetscCall(RodRefuseFeet(rod, t1, (PetscBool)verdict[FEET]));
   *passes = (PetscBool)(verdict[PASSES] || sweeps);
   PetscFunctionReturn(0);

@@ -103,7 +103,7 @@ static PetscErrorCode CheckStart(Grow *self) {
  */
 static PetscErrorCode CheckWalls(Grow *self) {
   const Walls *walls = &self->scene->contact.walls;
-  const PetscReal clamp[2] = {0, 0};
+  const PetscReal clamp[3] = {0};
   const PetscInt behind = WallsBehind(walls, clamp);
   Rod rod = self->now->rod;
   PetscBool passes;
