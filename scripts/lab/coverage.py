@@ -78,6 +78,7 @@ NEXT_TO_EXACT = 1e-13             # of references: the program takes 9e-10 at it
 ROUNDING = 2.2e-16                # of k0^2 L: an energy that is none, of a rod bent or twisted by nature
 NATURAL = ("rod_curvature", "rod_curvature_2", "rod_curvature_random", "rod_curvature_random_2", "rod_twist")
 DIGITS_END = 1e-300               # an energy below has few of them
+BEND_IN_CONTACT = 0.01            # of rods that touch: errors are parts of what they are where bent by this angle, at least
 SNAP_OFF = 2e-4                   # of the run: so much earlier or later a rod may snap
 
 
@@ -100,7 +101,7 @@ class Measured:
 def series(file):
     """Times and what is SEEN, with the file's attributes."""
     with h5py.File(file) as f:
-        s = {k: f["series"][k][:] for k in ("t", *SEEN) if k in f["series"]}
+        s = {k: f["series"][k][:] for k in ("t", "contact_force", *SEEN) if k in f["series"]}
         s["cells"] = f["shapes/s"].shape[0] - 1
         attributes = {k: f.attrs[k] for k in f.attrs}
     return s, attributes
@@ -126,9 +127,11 @@ def errors_at(run, fine, i, points, logarithm=True, t=None):
     tip = [k for k in ("tip_x1", "tip_x2", "tip_x3") if k in other]
     off = np.sqrt(sum((run[k][i] - other[k]) ** 2 for k in tip)) / np.sqrt(sum(other[k] ** 2 for k in tip))
     norms = [k for k in ("norm_x2", "norm_x3") if other.get(k)]
+    bend = BEND_IN_CONTACT if np.any(run.get("contact_force", np.zeros(1))[:i + 1]) else 0
     size = max([other[k] for k in norms], default=0)
-    norm = max((abs(run[k][i] - other[k]) / size for k in norms), default=0)
-    return np.array([off, norm, abs(run["energy"][i] / other["energy"] - 1) if other["energy"] > DIGITS_END else 0])
+    norm = max((abs(run[k][i] - other[k]) / max(size, bend * run["length"][i] / 3 ** .5) for k in norms), default=0)
+    energy = abs(run["energy"][i] - other["energy"]) / max(other["energy"], bend ** 2 / (2 * run["length"][i]), DIGITS_END)
+    return np.array([off, norm, energy if other["energy"] > DIGITS_END else 0])
 
 
 def near_in_time(run, fine, i):

@@ -2,7 +2,8 @@
 """What must not change a rod, on random scenes: mirrored, turned, in other units, on more ranks, stopped
 and gone on with, grown from a later time, with its walls named in another order.
 
-    scripts/lab/invariances.py [--scenes COUNT] [--seed SEED] [--space] [--tendril build/tendril] [--mpiexec mpiexec]
+    scripts/lab/invariances.py [--scenes COUNT] [--seed SEED] [--cells N] [--space] [--ranks no|only] [--tendril build/tendril]
+                               [--mpiexec mpiexec]
 
 --space: rods in space, turned about the clamp's axis, their clamp turned in the laboratory, their mirror images (a
 left-handed one for a right-handed one), on ranks, stopped and gone on with. Prints a line a scene and invariance that fails, with the command, and how large the rest are. Exit code 1
@@ -37,8 +38,8 @@ class Lost(Exception):
 
 
 class Place:
-    def __init__(self, directory, tendril, mpiexec):
-        self.directory, self.tendril, self.mpiexec = Path(directory), tendril, mpiexec
+    def __init__(self, directory, choice):
+        self.directory, self.tendril, self.mpiexec, self.ranks = Path(directory), choice.tendril, choice.mpiexec, choice.ranks
 
     def run(self, options, ranks=1, file="a.h5", code=0):
         """The tip and the length at the end."""
@@ -56,7 +57,7 @@ class Place:
         return f"-wall_file {self.directory / name} -contact_diameter 0.05 "
 
 
-def random_scene(dice):
+def random_scene(dice, cells=120):
     """(options, curvature, walls); the shape is straight, bent by its curvature alone, so that its
     mirror image has one option of another sign."""
     law = dice.choice(["uniform", "gaussian", "feed", "apical"])
@@ -65,7 +66,7 @@ def random_scene(dice):
     end = dice.uniform(1, 5)
     options = (f"-growth_type {law} -growth_initial_length {length:.3f} -ts_max_time {end:.3f} "
                f"-friction_mu {mu} -friction_across {dice.choice([0.5, 1, 2])} -shape_type straight "
-               f"-rod_cells 120 -ts_rtol {RTOL} ")
+               f"-rod_cells {cells} -ts_rtol {RTOL} ")
     if law == "apical":
         options += f"-growth_zone {length * dice.uniform(0.3, 1):.3f} "
     if dice.random() < 0.3:
@@ -107,11 +108,22 @@ def off(a, b):
     return np.linalg.norm(a[0] - b[0]) / b[1]
 
 
+def on_ranks(place, whole, dice, it=None):
+    """Alone, in steps as they are by default: each step costs ranks messages."""
+    if not it:
+        whole = whole.replace(f"-ts_rtol {RTOL} ", "")
+        it = place.run(whole)
+    yield "ranks", off(place.run(whole, ranks=int(dice.integers(2, 4))), it), SAME
+
+
 def invariances(place, scene, dice):
     """(name, how far off, how far it may be) one by one."""
     options, curvature, walls = scene
     bent = f"-rod_curvature {curvature!r} "
     whole = f"{options}{bent}{with_walls(place, walls)}"
+    if place.ranks == "only":
+        yield from on_ranks(place, whole, dice)
+        return
     it = place.run(whole)
     other = place.run(f"{options}-rod_curvature {-curvature!r} {with_walls(place, mirrored(walls))}")
     yield "mirror", off((other[0] * [1, -1], 0), it), BITS if not walls else SAME
@@ -125,7 +137,8 @@ def invariances(place, scene, dice):
         other = place.run(f"{options}{bent}{si}{with_walls(place, walls)}".replace("-friction_mu 1 ", ""))
         yield "units", off(other, it), SAME
     whole = f"{options}{bent}{with_walls(place, walls)}"
-    yield "ranks", off(place.run(whole, ranks=int(dice.integers(2, 4))), it), SAME
+    if place.ranks == "too":
+        yield from on_ranks(place, whole, dice, it)
     place.run(f"{whole} -ts_max_steps {int(dice.integers(5, 40))}", code=1, file="b.h5")
     with h5py.File(place.directory / "b.h5") as f:
         begun = len(f["series/t"]) > 1
@@ -139,12 +152,12 @@ def invariances(place, scene, dice):
         yield "order of walls", off(place.run(f"{options}{bent}{place.walls(walls[::-1])}"), it), SAME
 
 
-def random_rod_in_space(dice):
+def random_rod_in_space(dice, cells=60):
     """(options that no turn and no mirror changes, what turns: vectors and bends)"""
     law, mu = dice.choice(["uniform", "gaussian", "feed", "apical"]), dice.choice(["0", "0.5", "0.9", "1"])
     options = (f"-rod_model space -shape_type straight -growth_type {law} -growth_initial_length {dice.uniform(0.5, 2):.3f} "
                f"-growth_zone 0.4 -ts_max_time {dice.uniform(0.5, 2):.3f} -friction_mu {mu} "
-               f"-friction_across {dice.choice([0.5, 1, 2])} -rod_torsion {dice.uniform(0.4, 1.5):.3f} -rod_cells 60 ")
+               f"-friction_across {dice.choice([0.5, 1, 2])} -rod_torsion {dice.uniform(0.4, 1.5):.3f} -rod_cells {cells} ")
     if law != "apical":
         options = options.replace("-growth_zone 0.4 ", "")
     rod = {"bends": dice.uniform(-0.4, 0.4, 2), "twist": dice.uniform(-0.5, 0.5), "weight": np.zeros(3), "force": np.zeros(3),
@@ -178,6 +191,9 @@ def invariances_in_space(place, scene, dice):
     """As invariances(). Sections of two stiffnesses are not turned about the clamp's axis: they have axes."""
     options, rod = scene
     whole = said(options, rod) + f"-ts_rtol {RTOL} "
+    if place.ranks == "only":
+        yield from on_ranks(place, whole, dice)
+        return
     it = place.run(whole)
 
     def turned(R, **more):
@@ -199,18 +215,19 @@ def invariances_in_space(place, scene, dice):
     other = place.run(said(options, turned(flat, bends=rod["bends"] * [-1, 1], twist=-rod["twist"], torque=-rod["torque"],
                                            spin=-rod["spin"])) + f"-ts_rtol {RTOL} ")
     yield "mirror, other hand", off((flat @ other[0], 0), it), BITS
-    yield "ranks", off(place.run(whole, ranks=int(dice.integers(2, 4))), it), SAME
+    if place.ranks == "too":
+        yield from on_ranks(place, whole, dice, it)
     place.run(f"{whole} -ts_max_steps {int(dice.integers(5, 40))}", code=1, file="b.h5")
     yield "restart", off(place.run(f"-restart {place.directory / 'b.h5'}", file="b.h5"), it), 0
 
 
-def study(place, count, seed, verbose=True, space=False):
+def study(place, count, seed, verbose=True, space=False, cells=None):
     """Faults as text."""
     faults, most = [], {}
     draw, check = (random_rod_in_space, invariances_in_space) if space else (random_scene, invariances)
     for k in range(count):
         dice = np.random.default_rng([seed, k])
-        scene = draw(dice)
+        scene = draw(dice, cells) if cells else draw(dice)
         try:
             for name, far, allowed in check(place, scene, dice):
                 most[name] = max(most.get(name, 0), far)
@@ -231,10 +248,12 @@ def main():
     parser.add_argument("--mpiexec", default="mpiexec")
     parser.add_argument("--scenes", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cells", type=int)
     parser.add_argument("--space", action="store_true")
+    parser.add_argument("--ranks", choices=["too", "no", "only"], default="too")
     choice = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
-        faults = study(Place(directory, choice.tendril, choice.mpiexec), choice.scenes, choice.seed, space=choice.space)
+        faults = study(Place(directory, choice), choice.scenes, choice.seed, space=choice.space, cells=choice.cells)
     for fault in faults:
         print("FAIL", fault)
     return len(faults) > 0

@@ -88,7 +88,7 @@ def library():
     if not found:
         raise TendrilError("no libtendril.so: build it (scripts/run.sh does), or name it in the variable TENDRIL_LIBRARY")
     try:
-        lib = ctypes.CDLL(str(found))
+        lib = ctypes.CDLL(str(found), os.RTLD_LAZY)  # what PETSc is linked with is bound as it is called
     except OSError as fault:
         raise TendrilError(f"{found}: cannot be loaded: {fault}") from None
     for name, arguments in CALLS.items():

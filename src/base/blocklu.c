@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { MOST_WIDE = 16, MOST_NODES = 4000 }; /* to find the order takes the square of the nodes */
+enum { MOST_WIDE = 24, MOST_NODES = 4000 }; /* to find the order takes the square of the nodes */
 
 /* The blocks of a node's row, as they are set. */
 typedef struct {
@@ -392,27 +392,39 @@ ALWAYS_INLINE void Solve(BlockLU *self, const int fields, const int wide, const 
   }
 }
 
-/* The sizes that there are: a node of a rod in the plane, and in space. */
-enum { PLANE = 6, PLANE_WIDE = 8, SPACE = 13, SPACE_WIDE = 16 };
+/* The sizes that there are: a node of a rod in the plane, and in space; each also where its
+   material learns, at once and by what it remembers. Rows have room for so many numbers. */
+#define SIZES(X) X(6, 8) X(8, 8) X(10, 12) X(13, 16) X(17, 20) X(21, 24)
 
-WIDE_VECTORS static PetscBool FactorPlane(BlockLU *self) {
-  return Factor(self, PLANE, PLANE_WIDE);
-}
-WIDE_VECTORS static PetscBool FactorSpace(BlockLU *self) {
-  return Factor(self, SPACE, SPACE_WIDE);
-}
-WIDE_VECTORS static void SolvePlane(BlockLU *self, const PetscReal *b, PetscReal *x) {
-  Solve(self, PLANE, PLANE_WIDE, b, x);
-}
-WIDE_VECTORS static void SolveSpace(BlockLU *self, const PetscReal *b, PetscReal *x) {
-  Solve(self, SPACE, SPACE_WIDE, b, x);
+#define OF_SIZE(fields, wide)                                                                      \
+  WIDE_VECTORS static PetscBool Factor##fields(BlockLU *self) {                                    \
+    return Factor(self, fields, wide);                                                             \
+  }                                                                                                \
+  WIDE_VECTORS static void Solve##fields(BlockLU *self, const PetscReal *b, PetscReal *x) {        \
+    Solve(self, fields, wide, b, x);                                                               \
+  }
+SIZES(OF_SIZE)
+
+typedef struct {
+  PetscInt fields, wide;
+  PetscBool (*factor)(BlockLU *);
+  void (*solve)(BlockLU *, const PetscReal *, PetscReal *);
+} Size;
+
+#define ROW_OF_SIZE(fields, wide) {fields, wide, Factor##fields, Solve##fields},
+static const Size sizes[] = {SIZES(ROW_OF_SIZE)};
+
+static const Size *SizeOf(PetscInt fields) {
+  for (size_t k = 0; k < sizeof(sizes) / sizeof(*sizes); k++)
+    if (sizes[k].fields == fields) return &sizes[k];
+  return NULL;
 }
 
 /* ---- as PETSc sees it ---- */
 
 /* BlockLUCan - are there blocks for nodes of so many fields, and are the nodes not too many? */
 PetscBool BlockLUCan(PetscInt nodes, PetscInt fields) {
-  return (PetscBool)(nodes <= MOST_NODES && (fields == PLANE || fields == SPACE));
+  return (PetscBool)(nodes <= MOST_NODES && SizeOf(fields));
 }
 
 static PetscErrorCode FreeSide(Side *side) {
@@ -456,7 +468,7 @@ PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscBool held, Ma
   PetscCall(PetscNew(&self));
   self->nodes = nodes;
   self->fields = fields;
-  self->wide = fields == PLANE ? PLANE_WIDE : SPACE_WIDE;
+  self->wide = SizeOf(fields)->wide;
   self->size = (size_t)(self->fields * self->wide);
   self->held = held;
   self->words = (nodes + 63) / 64;
@@ -486,7 +498,7 @@ static PetscErrorCode SetUp(PC pc) {
   PetscCall(MatShellGetContext(J, &self));
   if (self->factored) PetscFunctionReturn(0);
   if (DependOnOthers(self) || !self->behind.node) PetscCall(Order(self));
-  regular = self->fields == PLANE ? FactorPlane(self) : FactorSpace(self);
+  regular = SizeOf(self->fields)->factor(self);
   self->factored = PETSC_TRUE;
   PetscCall(PCSetFailedReason(pc, regular ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
   PetscFunctionReturn(0);
@@ -503,10 +515,7 @@ static PetscErrorCode Apply(PC pc, Vec B, Vec X) {
   PetscCall(MatShellGetContext(J, &self));
   PetscCall(VecGetArrayRead(B, &b));
   PetscCall(VecGetArrayWrite(X, &x));
-  if (self->fields == PLANE)
-    SolvePlane(self, b, x);
-  else
-    SolveSpace(self, b, x);
+  SizeOf(self->fields)->solve(self, b, x);
   PetscCall(VecRestoreArrayWrite(X, &x));
   PetscCall(VecRestoreArrayRead(B, &b));
   PetscFunctionReturn(0);

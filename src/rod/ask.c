@@ -298,12 +298,18 @@ PetscReal RodSteeredTo(const Rod rod) {
   return most;
 }
 
-/* RodRounding - the energy that round-off leaves of a rod that is bent by nature. */
+/* RodRounding - the energy that round-off leaves of a rod that is bent by nature, or that a weight
+   across it, which something else balances, would bend. */
 PetscReal RodRounding(const Rod rod, PetscReal length) {
   PetscReal most = 0;
 
-  for (PetscInt k = 0; k < rod->rods; k++)
-    most = PetscMax(most, CurvatureRounding(&rod->each[k]->scene->curvature, length));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const Scene scene = rod->each[k]->scene;
+    const PetscReal across = hypot(scene->load.weight[1], scene->load.weight[2]),
+                    moment = PETSC_MACHINE_EPSILON * across * PetscSqr(length);
+    most = PetscMax(most, CurvatureRounding(&scene->curvature, length));
+    most = PetscMax(most, PetscSqr(moment) * length);
+  }
   return most;
 }
 

@@ -1,4 +1,5 @@
 #include "rod/coupled.h"
+#include "rod/learned.h"
 #include "rod/rules.h"
 #include <string.h>
 #include <petsc/private/matimpl.h> /* a matrix that is given another pattern does not say so itself */
@@ -169,7 +170,8 @@ static PetscBool HasRoom(const struct _Coupled *self, const PetscInt cell[2]) {
   return PETSC_FALSE;
 }
 
-/* Gives J the pattern of the rod and of all pairs that are near to touching. */
+/* Gives J the pattern of the rod, all of which may see its tip, and of all pairs that are near to
+   touching. */
 static PetscErrorCode NewPattern(Rod rod, Coupled self, Mat J, PetscInt n, PetscInt (*near)[2]) {
   const PetscInt rows = rod->end - rod->first;
   Columns columns;
@@ -178,6 +180,8 @@ static PetscErrorCode NewPattern(Rod rod, Coupled self, Mat J, PetscInt n, Petsc
   PetscCall(PetscCalloc3(rows, &columns.n, rows, &columns.room, rows, &columns.column));
   for (PetscInt i = rod->first; i < rod->end; i++)
     PetscCall(AddColumns(rod, &columns, i, i, i - 1, i + 1));
+  if (rod->learned && rod->learned->at_tip)
+    PetscCall(AddColumns(rod, &columns, rod->first, rod->end - 1, rod->last, rod->last));
   for (PetscInt k = 0; k < n; k++) PetscCall(AddPair(rod, &columns, near[k]));
   PetscCall(KeepPairs(self, rod->last, n, near));
   PetscCall(Allocate(rod, &columns, J));

@@ -530,8 +530,20 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
               TipDual(rod), by);
 }
 
-/* ... of a rod whose material learns its natural curvature. */
+/* What strands need to know of the cell that is looked at. */
+static void KeepCell(const Cell *cell, StrandCell *kept) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+
+  *kept = (StrandCell){.end_weight = cell->h * frame->end_weight,
+                       .mid_weight = cell->h * frame->mid_weight,
+                       .bow = cell->h * frame->bow,
+                       .g = cell->law[1].g,
+                       .q = {cell->mid->at.q[0], cell->mid->at.q[1]}};
+}
+
+/* FrameJacobian(), of a rod whose material learns its natural curvature. */
 static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
+  const Frame *frame = (const Frame *)rod->data;
   const PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], of_begin[LINE_HALF][FIELDS] = {{0}},
                                                          by[TIP_ROWS][FIELDS], *room;
@@ -541,6 +553,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(8 * PetscSqr(rod->model->fields), &room));
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
+  if (frame->strands) PetscCall(StrandRowsPattern(rod, frame->strands, at->fresh, J));
   for (int f = X1; f <= TH; f++) of_begin[f][OfClamp(rod, f)] = 1;
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
@@ -549,6 +562,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
                      (PetscBool)(i + 1 == rod->last), left, right, &learned);
     LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
+    if (frame->strands && i >= rod->first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
                             &learned.slope[0], NULL, room, J));
   }
@@ -561,20 +575,10 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   }
   PetscCall(CellsClose(&cell));
   PetscCall(PetscFree(room));
+  if (frame->strands) PetscCall(StrandRowsJacobian(rod, frame->strands, at, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
-}
-
-/* What strands need to know of the cell that is looked at. */
-static void KeepCell(const Cell *cell, StrandCell *kept) {
-  const Frame *frame = (const Frame *)cell->rod->data;
-
-  *kept = (StrandCell){.end_weight = cell->h * frame->end_weight,
-                       .mid_weight = cell->h * frame->mid_weight,
-                       .bow = cell->h * frame->bow,
-                       .g = cell->law[1].g,
-                       .q = {cell->mid->at.q[0], cell->mid->at.q[1]}};
 }
 
 static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {

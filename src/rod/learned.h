@@ -93,6 +93,8 @@ PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const 
                              const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
                              Mat J);
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]);
+void LearnedByElastic(const Rod rod, PetscReal clock, const LearnedSlope *slope, PetscInt bend,
+                      PetscReal by[]);
 PetscBool LearnedFront(const Rod rod);
 PetscBool LearnedCarries(const Rod rod);
 PetscErrorCode LearnedTimesRate(Rod rod, Vec V);

@@ -37,16 +37,25 @@ static void PutOwn(const Rod rod, PetscInt i, int half, const LearnedRow *row, c
   }
 }
 
+/* LearnedByElastic - how the equation of a bend learned at a place of clock a changes with the
+   unknowns there by its elastic bend: -a (I - G) E'. */
+void LearnedByElastic(const Rod rod, PetscReal clock, const LearnedSlope *slope, PetscInt bend,
+                      PetscReal by[]) {
+  const Tropism *law = &rod->scene->tropism;
+
+  for (PetscInt f = 0; f < rod->learned->mech; f++)
+    by[f] = -clock * (law->ironing - law->proprioception) * slope->elastic[bend][f];
+}
+
 /* What the states of a place are by the unknowns of a point: -a (S' + (I - G) E'), and -S'. */
 static void OfPoint(const Rod rod, PetscReal clock, const LearnedSlope *slope, PetscInt b,
                     PetscReal bend[], PetscReal memory[]) {
   const Learned self = rod->learned;
-  const Tropism *law = &rod->scene->tropism;
   const PetscBool at_once = (PetscBool) !(self->remembers || self->at_tip);
 
+  LearnedByElastic(rod, clock, slope, b, bend);
   for (PetscInt f = 0; f < self->mech; f++) {
-    bend[f] = -clock * ((at_once ? slope->sensed[b][f] : 0) +
-                        (law->ironing - law->proprioception) * slope->elastic[b][f]);
+    if (at_once) bend[f] -= clock * slope->sensed[b][f];
     memory[f] = -slope->sensed[b][f];
   }
 }

@@ -503,8 +503,36 @@ static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscR
   if (i + 1 == cell->rod->last) LearnedSignalSlope(cell->rod, &learned.slope[2], shift);
 }
 
+/* What strands need to know of the cell behind a node. */
+static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+
+  *kept = (StrandCell){.end_weight = cell->h * self->end_weight,
+                       .mid_weight = cell->h * self->mid_weight,
+                       .bow = cell->h * self->bow,
+                       .g = cell->law[1].g};
+  memcpy(kept->q, cell->mid->d[0], sizeof(kept->q));
+  for (int i = 0; i < 4; i++) memcpy(kept->p_m[i], &mid->f[P + i][M], sizeof(kept->p_m[i]));
+}
+
+/* ... if its material learns its natural curvature. */
+static void KeepLearnedCell(const Cell *cell, PetscInt i, const Slope *mid,
+                            const LearnedSlope *slope) {
+  const Space_ *self = (const Space_ *)cell->rod->data;
+  const PetscReal clock = cell->rod->learned->clock[2 * (i - cell->rod->first + 1) + 1];
+  StrandCell *kept = StrandRowsCell(cell->rod, self->strands, i);
+  PetscReal by[FIELDS];
+
+  KeepCell(cell, mid, kept);
+  for (int b = 0; b < TROPISM_BENDS; b++) {
+    LearnedByElastic(cell->rod, clock, slope, b, by);
+    memcpy(kept->learned_m[b], by + M, sizeof(kept->learned_m[b]));
+  }
+}
+
 /* SpaceJacobian(), of a rod whose material learns its natural curvature. */
 static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
+  const Space_ *self = (const Space_ *)rod->data;
   const PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], of_begin[LEFT][FIELDS], by[RIGHT][FIELDS],
       *room;
@@ -515,6 +543,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(8 * PetscSqr(rod->model->fields), &room));
   PetscCall(SpaceCellsOpen(rod, at, &cell));
+  if (self->strands) PetscCall(StrandRowsPattern(rod, self->strands, at->fresh, J));
   if (rod->first == 0) SpaceClampBlock(rod->scene, at->t, cell.u[0], of_begin);
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
@@ -522,6 +551,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     LearnedOf(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
     LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
+    if (self->strands && i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[1]);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
                             &learned.slope[0], NULL, room, J));
   }
@@ -534,21 +564,10 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   }
   PetscCall(SpaceCellsClose(&cell));
   PetscCall(PetscFree(room));
+  if (self->strands) PetscCall(StrandRowsJacobian(rod, self->strands, at, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
-}
-
-/* What strands need to know of the cell behind a node. */
-static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
-  const Space_ *self = (const Space_ *)cell->rod->data;
-
-  *kept = (StrandCell){.end_weight = cell->h * self->end_weight,
-                       .mid_weight = cell->h * self->mid_weight,
-                       .bow = cell->h * self->bow,
-                       .g = cell->law[1].g};
-  memcpy(kept->q, cell->mid->d[0], sizeof(kept->q));
-  for (int i = 0; i < 4; i++) memcpy(kept->p_m[i], &mid->f[P + i][M], sizeof(kept->p_m[i]));
 }
 
 /* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */

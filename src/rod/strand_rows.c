@@ -1,17 +1,28 @@
 #include "rod/strand_rows.h"
 #include "rod/coupled.h"
+#include "rod/learned.h"
 
-/* Where the unknowns of a node begin, and their rows: the plane has no p. */
+/* Where the unknowns of a node begin, and their rows: the plane has no p. bends: how many its
+   material learns in the middle of a cell, whose rows are `learned` and behind it. */
 typedef struct {
-  int dims, fields, node, p, m, n;
+  int dims, fields, node, p, m, n, bends, learned;
 } Layout;
-static const Layout plane = {.dims = 2, .fields = 6, .node = 3, .p = -1, .m = 3, .n = 4},
-                    space = {.dims = 3, .fields = 13, .node = 7, .p = 3, .m = 7, .n = 10};
+
+static Layout LayoutOf(const Rod rod) {
+  Layout of = {.dims = 2, .node = 3, .p = -1, .m = 3, .n = 4};
+
+  if (rod->model->space) of = (Layout){.dims = 3, .node = 7, .p = 3, .m = 7, .n = 10};
+  of.fields = (int)rod->model->fields;
+  if (!rod->learned) return of;
+  of.bends = (int)rod->learned->bends;
+  of.learned = (int)(rod->learned->mech + rod->learned->per);
+  return of;
+}
 
 struct _StrandRows {
   Strands strands;
   Coupled coupled;
-  const Layout *of;
+  Layout of;
   StrandCell *cells;  /* behind the owned nodes */
   RodSeen seen;       /* the state of the latest load, */
   PetscBool searched; /* ... that was searched for pairs */
@@ -22,7 +33,7 @@ struct _StrandRows {
 PetscErrorCode StrandRowsCreate(Rod rod, StrandRows *rows) {
   PetscFunctionBegin;
   PetscCall(PetscNew(rows));
-  (*rows)->of = rod->model->space ? &space : &plane;
+  (*rows)->of = LayoutOf(rod);
   PetscCall(StrandsCreate(rod->scene, &(*rows)->strands));
   PetscCall(CoupledCreate(rod, &(*rows)->coupled));
   PetscCall(PetscCalloc1(rod->end - rod->first, &(*rows)->cells));
@@ -46,7 +57,7 @@ static PetscErrorCode OpenState(StrandRows self, const RodState *at, StrandState
 
   PetscFunctionBegin;
   PetscCall(CoupledOpen(self->coupled, at->U, at->U_t, u));
-  *state = (StrandState){.t = at->t, .stride = self->of->fields, .u = u[0], .u_t = u[1]};
+  *state = (StrandState){.t = at->t, .stride = self->of.fields, .u = u[0], .u_t = u[1]};
   PetscFunctionReturn(0);
 }
 
@@ -176,18 +187,20 @@ static void AddToCell(const Layout *of, const StrandCell *cell, int part, Strand
 
 /*
   The same of m' in space. The moment in the middle of the cell, m_mid = ... + k (m'_a - m'_b),
-  turns the cell's end, too, in the rows of the next node (of which `next` gets a part): r_m = ... -
-  h w m',    r_p = ... - h w_mid dp'/dm_mid m_mid
+  turns the cell's end, too, in the rows of the next node (of which `next` gets a part), and the
+  material there learns by it: r_m = ... - h w m',    r_p = ... - h w_mid dp'/dm_mid m_mid
 */
 static void AddCouple(const Layout *of, const StrandCell *cell, int part, StrandBy by,
                       PetscReal *block, PetscReal *next) {
   const PetscReal w = part == 1 ? cell->mid_weight : cell->end_weight,
-                  wm = part == 1 ? 0 : cell->mid_weight * (part ? -1 : 1) * cell->bow;
+                  bow = part == 1 ? 0 : (part ? -1 : 1) * cell->bow, wm = cell->mid_weight * bow;
 
   for (int d = 0; d < 3; d++) {
     AddRow(of, -w, by[d], RowOf(of, block, of->m + d));
     for (int k = 0; k < 4; k++)
       AddRow(of, -(wm * cell->p_m[k][d]), by[d], RowOf(of, next, of->p + k));
+    for (int b = 0; b < of->bends; b++)
+      AddRow(of, bow * cell->learned_m[b][d], by[d], RowOf(of, block, of->learned + b));
   }
 }
 
@@ -201,7 +214,7 @@ static void AddToTip(const Layout *of, StrandSlope *slope, int k, PetscReal *blo
 
 /* Adds one contact's part of one taker to J. */
 static PetscErrorCode AddTaker(Rod rod, StrandRows self, StrandSlope *slope, int k, Mat J) {
-  const Layout *of = self->of;
+  const Layout *of = &self->of;
   const PetscInt taker = slope->taker[k], i = taker / 2,
                  column[4] = {slope->cell[0], slope->cell[0] + 1, slope->cell[1],
                               slope->cell[1] + 1};

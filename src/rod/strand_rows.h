@@ -10,9 +10,9 @@ typedef struct _StrandRows *StrandRows;
 
 /* Of the cell behind an owned node, in the equations of the model: the weights of its ends and its
    middle times its length, bow times that, stretch and tangent at the middle; and in space, how p'
-   there changes with m. */
+   there changes with m, and the equations of what its material learns there. */
 typedef struct {
-  PetscReal end_weight, mid_weight, bow, g, q[3], p_m[4][3];
+  PetscReal end_weight, mid_weight, bow, g, q[3], p_m[4][3], learned_m[TROPISM_BENDS][3];
 } StrandCell;
 
 PetscErrorCode StrandRowsCreate(Rod rod, StrandRows *rows);

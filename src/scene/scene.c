@@ -300,8 +300,6 @@ PetscErrorCode SceneCreate(Scene *scene) {
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
-  UserCheck(!self->tropism.any || !self->contact.self, OptionsComm(),
-            "-contact_self: not with -tropism_ options or -growth_ironing; leave one out");
   if (self->tropism.any) TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab);
   if (self->tropism.why) self->space.why = self->tropism.why;
   PetscCall(CheckClamp(self));

@@ -483,7 +483,7 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
   PetscReal *b;
 
   PetscFunctionBegin;
-  if (self->rod->learned) {
+  if (self->rod->learned && self->elimination) {
     PetscCall(VecPlaceArray(self->nudged, self->rhs));
     PetscCall(VecPlaceArray(self->G, e));
     PetscCall(LearnedSolve(self->rod, self->nudged, self->G));
@@ -580,8 +580,13 @@ static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
   PetscFunctionReturn(0);
 }
 
-/* What an error makes of |x2|, and of |x3| in space, over the larger one; none: the rod is
-   straight. */
+/* The least angle that counts as a bend, where errors are parts of one. */
+static PetscReal LeastBend(const Estimate self) {
+  return self->touches ? step_rule.bend_in_contact : 0;
+}
+
+/* What an error makes of |x2|, and of |x3| in space, over the larger one, or that of a slope as
+   small as counts; none: the rod is straight. */
 static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal *e) {
   const PetscReal *s = self->rod->s, *u = self->all.u;
   const PetscInt last = self->nodes - 1, fields = self->fields;
@@ -600,13 +605,14 @@ static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal 
       norm[d] += w * y * y;
       by[d] += w * y * (e[k * fields + 1 + d] / size);
     }
-  most = PetscMax(norm[0], norm[1]);
+  most = PetscMax(PetscMax(norm[0], norm[1]), PetscSqr(LeastBend(self) * length / size) / 3);
   for (int d = 0; d < MIRRORS; d++)
     if (norm[d] > 0) off = PetscMax(off, PetscAbsReal(by[d]) / PetscSqrtReal(norm[d] * most));
   return off;
 }
 
-/* What an error makes of the energy: change, and seen, over it; none: there is none. */
+/* What an error makes of the energy: change, and seen, over it, or that of an arc as small as
+   counts; none: there is none. */
 static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscReal *e,
                                 PetscReal *seen, PetscReal *change) {
   const PetscReal *s = self->rod->s;
@@ -636,7 +642,7 @@ static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscRea
     *seen = unknown;
     PetscFunctionReturn(0);
   }
-  *seen = PetscAbsReal(by / energy);
+  *seen = PetscAbsReal(by) / PetscMax(energy, PetscSqr(LeastBend(self) / size) / length);
   *change = by / 2 * size * size;
   PetscFunctionReturn(0);
 }

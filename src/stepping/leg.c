@@ -321,6 +321,22 @@ PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses) {
   PetscFunctionReturn(0);
 }
 
+/* Counts the modes out of the plane that grow faster than a rate: a look, which leaves what
+   Newton's method remembers as it is. */
+static PetscErrorCode CountOutOfPlane(Leg *leg, PetscReal rate, PetscInt *out) {
+  Vec memory = NULL;
+  DM da = NULL;
+
+  PetscFunctionBegin;
+  if (leg->rod->memory) PetscCall(RodCreateMemory(leg->rod, &da, &memory));
+  if (memory) PetscCall(RodRemember(leg->rod, memory));
+  PetscCall(NewtonOutOfPlane(&leg->newton, rate, out));
+  if (memory) PetscCall(RodRecall(leg->rod, memory));
+  PetscCall(VecDestroy(&memory));
+  PetscCall(DMDestroy(&da));
+  PetscFunctionReturn(0);
+}
+
 /*
   LegLeavesPlane - would a rod in space, which lies in the plane of x1 and x2 to the last digit,
   leave it if anything pushed it out: do modes that nothing has begun grow by themselves within so
@@ -336,7 +352,7 @@ PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leav
   if (!plane) PetscFunctionReturn(0);
   PetscCall(IsBent(leg->rod, U, &bent));
   if (!bent) PetscFunctionReturn(0);
-  PetscCall(NewtonOutOfPlane(&leg->newton, 1 / within, &out));
+  PetscCall(CountOutOfPlane(leg, 1 / within, &out));
   *leaves = (PetscBool)(out > 0);
   PetscFunctionReturn(0);
 }

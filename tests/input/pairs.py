@@ -62,6 +62,8 @@ SETTINGS = {  # of each the first is what BASE has; {} is the directory of the f
                 "ts_bdf_order=1 ts_rtol=1e-2", "ts_bdf_factor=0"],
     "solver": ["", "ksp_type=gmres", "pc_type=lu", "snes_linesearch_type=bt"],
     "stop": ["", "stop_length=2.01", "stop_angle=0.5", "stop_contact=true", "stop_self_contact=0.01"],
+    "senses": ["", "tropism_gravity=2 tropism_direction=0,-1 growth_ironing=20 tropism_rate=1",
+               "tropism_light=2 tropism_source=9,3 tropism_proprioception=1 tropism_sensed=tip tropism_memory=0.1 tropism_rate=1"],
     "laboratory": ["", "si_bending_stiffness=1e-4 si_friction_dry=20",
                    "si_bending_stiffness=2Nmm^2 si_friction_dry=0.5N/m si_speed=5mm/s"],
 }
@@ -76,6 +78,7 @@ IN_SPACE = {
     "torque": ["", "tip_torque=0.1"],
     "direction": ["", "clamp_direction=1,1,-1"],
     "bends": ["", "rod_curvature_2=0.2", "rod_twist=0.4", "rod_curvature_random_2=0.1"],
+    "circles": ["", "tropism_nutation=1 tropism_nutation_2=1 tropism_nutation_rate=3 tropism_rate=1"],
     "turn": ["", "shape_turn=1", "shape_type=file shape_file={}/wound.h5"],
     "cloud": ["", "friction_field={}/cloud.h5"],
     "led": ["", "tip_type=slides", "tip_type=clamped tip_path={}/lead.csv", "tip_type=slides tip_path={}/turn.csv"],
@@ -88,6 +91,7 @@ IN_COMPANY = {**SETTINGS, "clamp": SETTINGS["clamp"][:2], "length": [""], "newto
               "tip": ["", "tip_force=0.3 tip_law=follower", "tip_force=0.3 tip_law=resistance tip_field={}/field.h5",
                       "tip_type=pinned ts_max_time=0.003", "tip_type=clamped"],
               "walls": ["", "wall_file={}/plane", "wall_file={}/all contact_diameter=0.05"],
+              "senses": SETTINGS["senses"][:2],
               "shape": ["", "shape_type=straight", "shape_type=random", "shape_type=file shape_file={}/shape.h5"],
               "stepper": ["", "ts_type=bdf", "ts_bdf_factor=0"], "stop": ["", "stop_angle=0.5", "stop_contact=true"],
               "laboratory": ["", "si_bending_stiffness=1e-4 si_friction_dry=20"]}

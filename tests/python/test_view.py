@@ -111,6 +111,7 @@ const mice = async (u, ...steps) => {
       await new Promise((done) => setTimeout(done, 200));
       seen.played = Number(element("slider").value);
     }
+    press(element("play")); // or it is drawn for as long as the browser waits
   } catch (error) { seen.error = String(error); }
   const pre = document.createElement("pre");
   pre.id = "seen";
@@ -216,6 +217,7 @@ const pointer = (what, x, y) => {
       await wait(200);
       seen.played = Number(element("slider").value);
     }
+    element("play").click(); // or it is drawn for as long as the browser waits
   } catch (error) { seen.error = String(error) + error.stack; }
   const pre = document.createElement("pre");
   pre.id = "seen";

@@ -77,7 +77,17 @@ static const char *const spiral[] = {
     "-growth_type feed -growth_initial_length 0.5 -rod_curvature 22 -shape_amplitude -3 "
     "-rod_cells 40 -contact_self -contact_diameter 0.09 -contact_stiffness 300"};
 
+static const char learns[] = " -tropism_gravity 2 -tropism_direction 0.3,-1 -growth_ironing 3 "
+                             "-tropism_proprioception 1.5 -tropism_rate 0.7";
+
 static void TestStrandJacobians(void **state) {
+  static const char *const senses[] = {"", " -tropism_sensed tip -tropism_memory 0.4"};
+
+  for (int k = 0; k < 2; k++) {
+    char more[512];
+    snprintf(more, sizeof(more), "%s -contact_friction 0.6%s%s", spiral[k], learns, senses[k]);
+    ByRate(more, 3, 1e-3);
+  }
   for (int k = 0; k < 2; k++) {
     char more[512];
     snprintf(more, sizeof(more), "%s -contact_friction 0.6", spiral[k]);

@@ -27,11 +27,21 @@ static void Destroy(Scene *scene, Rod *rod) {
   CHECK(SceneDestroy(scene));
 }
 
+/* What the material learns follows the moments that friction between strands makes, too. */
+#define LEARNS                                                                                     \
+  "-contact_friction 0.6 -tropism_gravity 2 -tropism_direction 0.3,-1,0.4 -growth_ironing 4 "      \
+  "-tropism_proprioception 1.5 -tropism_rate 0.7 "
+
 static void TestJacobians(void **state) {
   static const char *const mores[] = {
-      "", "-contact_friction 0.6", "-rod_order 2", "-contact_friction 0.6 -growth_type uniform",
-      "-rod_curvature 3.354 -rod_twist 0.1 -growth_initial_length 1.8 -contact_friction 0.6"};
-  for (int k = 0; k < 5; k++) { /* (the last one's tip presses on its clamp) */
+      "",
+      "-contact_friction 0.6",
+      "-rod_order 2",
+      "-contact_friction 0.6 -growth_type uniform",
+      "-rod_curvature 3.354 -rod_twist 0.1 -growth_initial_length 1.8 -contact_friction 0.6",
+      LEARNS,
+      LEARNS "-tropism_sensed tip -tropism_memory 0.4"};
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(mores); k++) { /* (one's tip meets its clamp) */
     const PetscReal shift = 1.7;
     Scene scene;
     RodState at;

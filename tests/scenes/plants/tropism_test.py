@@ -247,6 +247,38 @@ def a_tip_that_reaches_its_lamp_stops_there():
         expect("lamp" in line, line)
 
 
+# --- what touches itself -------------------------------------------------------------------------
+
+# A root that its growth winds up, until it meets itself at t = 0.4.
+WOUND = ("-growth_type apical -growth_zone 0.4 -friction_mu 0.5 -shape_type straight -growth_initial_length 0.5 -rod_cells 24 "
+         "-tropism_nutation 9 -tropism_gravity 1 -tropism_direction 0,-1 -tropism_proprioception 0.5 -growth_ironing 1 "
+         "-contact_self -contact_diameter 0.1 -contact_friction 0.3 -ts_max_time 0.43 ")
+
+
+@check(ranks=3)
+def a_root_that_winds_up_meets_itself_on_any_ranks():
+    for model, more in (("frame", "-tropism_sensed tip -tropism_memory 0.2"), ("space", "")):
+        r, other = (Run(f"{WOUND}{more} -rod_model {model} -ts_max_time 0.41", ranks) for ranks in (1, 3))
+        expect(r.contact_force[-1] > 1 and r.penetration.max() < 1e-3, f"{r.contact_force[-1]}, {r.penetration.max()}")
+        near(model, other.tip_x2[-1], r.tip_x2[-1], 1e-6)
+
+
+@check
+def a_root_that_winds_up_goes_on_behind_its_touch_to_the_last_bit():
+    for more in ("-tropism_sensed tip", "-tropism_memory 0.1 -rod_model space"):
+        whole, different = broken(WOUND + more, lambda whole: int(np.flatnonzero(whole["series/contact_force"] > 0)[3]))
+        expect(not different, f"{more}: {different} differ")
+        expect(whole["series/energy_defect"][-1] < 1e-3, f"{more}: the balance of energy is off")
+
+
+@check
+def a_root_that_winds_up_does_so_in_space_and_in_the_mirror():
+    mirrored = WOUND.replace("nutation 9", "nutation -9").replace("0,-1", "0,1")
+    r, space, mirror = Run(WOUND), Run(WOUND + "-rod_model space"), Run(mirrored)
+    expect(np.abs(r.tip - space.tip).max() < 3e-4, f"{r.tip}, {space.tip}")
+    near("in the mirror", -mirror.tip_x2[-1], r.tip_x2[-1], 1e-12)
+
+
 @check
 def options_that_say_nothing_are_refused():
     for options, word in (("-tropism_gravity 1", "-tropism_direction"), ("-tropism_light 1", "-tropism_source"),
@@ -257,7 +289,6 @@ def options_that_say_nothing_are_refused():
                           ("-growth_ironing 1 -rod_model linear", "-growth_ironing"),
                           ("-growth_ironing 1 -task critical", "-growth_ironing"),
                           ("-growth_ironing 1 -task stability", "-growth_ironing"),
-                          ("-growth_ironing 1 -contact_self true -contact_diameter 0.1", "-contact_self"),
                           ("-tropism_nutation 1 -tropism_nutation_2 1 -rod_model frame", "-tropism_nutation_2")):
         expect(word in tendril(options, 1), options)
 
