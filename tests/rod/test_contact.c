@@ -260,7 +260,8 @@ static void TestShortRod(void **state) {
 static PetscReal WallField(const Walls *walls, const PetscReal x[2], PetscReal f[2]) {
   const PetscReal within = 0.05;
   WallTouch touch[MOST_WALL_TOUCHES];
-  PetscInt n = WallsTouch(walls, x, 0.1, within, touch);
+  const PetscReal place[3] = {x[0], x[1], 0};
+  PetscInt n = WallsTouch(walls, place, 0.1, within, touch);
   PetscReal sum = 0;
   f[0] = f[1] = 0;
   for (PetscInt k = 0; k < n; k++) {
