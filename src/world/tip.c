@@ -358,7 +358,7 @@ static void PushWallsSlope3(const Tip *tip, const TipState *at,
 }
 
 /* TipJacobian3 - their derivatives by (x, p, m, n), of which W has the derivatives dW; fresh, dual
-   as for LoadLinearise3(). */
+   as for LoadLinearise(). */
 void TipJacobian3(const Tip *tip, const TipState *at, const PetscReal dW[RUBS][TIP_FIELDS3],
                   PetscBool fresh, FrictionDual *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
   enum { X, P = 3, M = 7, N = 10 };
