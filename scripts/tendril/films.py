@@ -29,7 +29,7 @@ from .progress import bar
 from .surroundings import axial_force, friction
 from .style import InStyle
 from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment
-from .walls import (RIM, ThickLine, ThickSegments, draw_contact, draw_walls, strongest_contact)
+from .walls import (RIM, ThickLine, ThickSegments, draw_contact, draw_walls, strongest_contact, walls_of)
 
 ARROWS = 28
 
@@ -59,7 +59,7 @@ class Film:
                xlabel=units.label("$x_1$", "length"), ylabel=units.label("$x_2$", "length"))
         ax.set_aspect("equal")
         ax.update_datalim([low, high])
-        draw_walls(ax, r, unit, room=False)
+        self.scenery = draw_walls(ax, r, unit, room=False)
         self.ax = ax
         self.most = strongest_contact(r, shapes)
         self.outline = ThickLine([], [], color="#333333", solid_capstyle="round")
@@ -94,6 +94,8 @@ class Film:
     def show(self, k):
         shape = self.shapes[k]
         force, nodes = self.units.of("force", axial_force(shape)), self.units.of("length", shape.x)
+        if self.scenery:
+            self.scenery.walls = walls_of(self.r, shape.t)
         self.outline.set_data(*nodes.T)
         self.rod.set_segments(np.stack([nodes[:-1], nodes[1:]], axis=1))
         self.rod.set_array((force[:-1] + force[1:]) / 2)

@@ -54,8 +54,8 @@ def websockets():
 class Server:
     """A run, and the pages that look at it. One run at a time; pages may come and go."""
 
-    def __init__(self, results="results/live", port=0, host="127.0.0.1", move=True, posts=0):
-        self.results, self.host, self.port, self.move, self.posts = Path(results), host, port, move, posts
+    def __init__(self, results="results/live", port=0, host="127.0.0.1", posts=0):
+        self.results, self.host, self.port, self.posts = Path(results), host, port, posts
         self.token = secrets.token_urlsafe(24)
         self.session: Session | None = None
         self.pages: dict = {}
@@ -77,16 +77,16 @@ class Server:
 
     # ---- the run ----
 
-    def start(self, scene=None, **options):
+    def start(self, scene=None, posts=None, **options):
         """Begins a run in the place of the present one; what is wrong with it is raised, and leaves that."""
         with self.starting:
-            self.start_alone(scene, options)
+            self.start_alone(scene, options, posts)
 
-    def start_alone(self, scene, options):
+    def start_alone(self, scene, options, posts):
         directory = Path(self.directory.name) / f"run-{self.runs}"
         directory.mkdir()
         self.runs += 1
-        played = prepare(scene, options, directory, self.move, self.posts)
+        played = prepare(scene, options, directory, self.posts if posts is None else posts)
         session = Session(played, directory, self.publish, self.results)
         before, self.session = self.session, session.begin()
         if before:
@@ -298,9 +298,9 @@ def page_text(token):
 class Live:
     """A server in a thread of its own, as Python and notebooks have it. close() ends it."""
 
-    def __init__(self, scene=None, *, port=0, results="results/live", move=True, posts=0, **options):
+    def __init__(self, scene=None, *, port=0, results="results/live", posts=0, **options):
         websockets()
-        self.server = Server(results, port, move=move, posts=posts)
+        self.server = Server(results, port, posts=posts)
         if scene is not None or options:
             self.server.start(scene, **options)
         self.stop, self.ready, self.fault = None, threading.Event(), None
@@ -350,13 +350,12 @@ class Live:
         return f"<a run one can touch: {self.address.split('?')[0]}>"
 
 
-def live(scene=None, *, port=0, results="results/live", move=True, posts=0, **options) -> Live:
+def live(scene=None, *, port=0, results="results/live", posts=0, **options) -> Live:
     """Runs a scene that one can touch in a browser at .address (in a notebook: widget()). Scene and options are as for
     run().
 
-    move   stones of the plane become posts in space, which can be dragged; False: they stand still
-    posts  so many more, to be put somewhere"""
-    return Live(scene, port=port, results=results, move=move, posts=posts, **options)
+    posts  so many more stones, to be put somewhere"""
+    return Live(scene, port=port, results=results, posts=posts, **options)
 
 
 def main(arguments=None):
@@ -365,7 +364,6 @@ def main(arguments=None):
     parser.add_argument("--port", type=int, default=0, help="of the address; default: a free one")
     parser.add_argument("--no-browser", action="store_true", help="opens none")
     parser.add_argument("--results", default="results/live", metavar="DIRECTORY", help="where results are written; default: results/live")
-    parser.add_argument("--still", action="store_true", help="stones of the plane stand still, and the rod is followed in the plane")
     parser.add_argument("--posts", type=int, default=0, metavar="N", help="posts that can be put somewhere in the run")
     choice = parser.parse_args(arguments)
     if not 0 <= choice.port < 65536:
@@ -373,7 +371,7 @@ def main(arguments=None):
     if not 0 <= choice.posts <= 20:
         raise TendrilError(f"--posts {choice.posts}: give 0 to 20")
     websockets()
-    server = Server(choice.results, choice.port, move=not choice.still, posts=choice.posts)
+    server = Server(choice.results, choice.port, posts=choice.posts)
     if choice.scene:
         server.start(choice.scene)
 

@@ -55,7 +55,7 @@ class Sender:
                     time.sleep(1 / FRAMES_A_SECOND)
 
 
-def widget(scene=None, *, results="results/live", move=True, posts=0, **options):
+def widget(scene=None, *, results="results/live", posts=0, **options):
     """A run that one can touch in a notebook's cell; scene and options as for live(). .session is the run: .session.sim the
     simulation, .close() ends it."""
     try:
@@ -70,7 +70,7 @@ def widget(scene=None, *, results="results/live", move=True, posts=0, **options)
         def __init__(self):
             super().__init__()
             self.directory = tempfile.TemporaryDirectory(prefix="tendril-live-")
-            played = prepare(scene, options, self.directory.name, move, posts)
+            played = prepare(scene, options, self.directory.name, posts)
             self.sender = Sender(self.send)
             self.session = Session(played, Path(self.directory.name), self.sender.take, results).begin()
             self.on_msg(self.hear)

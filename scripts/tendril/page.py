@@ -29,7 +29,7 @@ from .style import COLOURS
 from .surroundings import axial_force, friction, pressed, size_of
 from .titles import titles_of
 from .units import add_choice_of_units, in_laboratory, in_laboratory_of, laboratory_units
-from .walls import outlines
+from .walls import outlines, parse
 
 WEB = Path(__file__).resolve().parent / "web"
 MOST_SHAPES, MOST_NODES, ARROWS = 300, 501, 28  # what a page holds of a run
@@ -106,8 +106,10 @@ def run_of(r, title, colour, shapes, units):
         "shapes": {name: packed(values) for name, values in shapes.items() if name != "along"},
         "widths": {name: int(np.prod(values.shape[1:])) for name, values in shapes.items()
                    if name not in ("t", "fair", "along")},
-        "walls": [{part: [np.ravel(line).tolist() for line in lines]
-                   for part, lines in zip(("body", "lines"), wall)} for wall in ([] if r.in_space else outlines(r))],
+        "walls": [] if r.in_space else [
+            {part: [np.ravel(line).tolist() for line in lines] for part, lines in zip(("body", "lines"), drawn)}
+            | {"motion": {what: numbers.tolist() for what, numbers in wall.motion.items()} or None}
+            for wall, drawn in zip(parse(r.attributes.get("walls")), outlines(r))],
         "diameter": r.diameter,
     }
 

@@ -259,7 +259,7 @@ def panel_shapes(ax, r, view):
     unit = view.of(r).of("length", 1.0)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, :2], unit, **look))
     if not r.in_space:
-        draw_walls(ax, r, unit)
+        draw_walls(ax, r, unit, t=max(view.times_of(r), default=0.0))  # what moves: at the last of the times
     axes_of_place(ax, view)
 
 
@@ -346,7 +346,7 @@ def panel_touch(ax, r, view):
     draw_rod(ax, r, shape.x, unit, color=view.colour(r, BLUE),
              label=f"${view.of(r).of('time', shape.t):.4g}$" + arrow)
     draw_contact(ax, r, shape, unit)
-    draw_walls(ax, r, unit)
+    draw_walls(ax, r, unit, t=shape.t)
     ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
     axes_of_place(ax, view)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from .errors import TendrilError
 from .runs import rows_of, scene_file, texts_of
+from .simulation import Simulation
 
 FILES = ("wall_file", "growth_path", "growth_table", "friction_field", "tip_field", "tip_path", "clamp_path",
          "rod_stiffness_file", "rod_curvature_file", "shape_file", "change_file")
@@ -61,7 +62,6 @@ class Played:
     name: str
     options: dict[str, str]
     walls: list[Wall] = field(default_factory=list)
-    lifted: bool = False  # from the plane into space, so that its stones can be moved
     posts: list[int] = field(default_factory=list)  # lines of those that wait to be put somewhere
 
     @property
@@ -99,33 +99,30 @@ def walls_in(path) -> list[Wall]:
     return [Wall(k, words) for k, words in enumerate(split, 1) if words]
 
 
-def movable(walls, options) -> list[str] | None:
-    """The lines of a wall file in which stones of the plane, circles from outside, are posts in space, which can be moved;
-    None if nothing is to be rewritten: there is none, or what else stands there has no like in space."""
-    if not any(wall.kind == "circle" and "outside" in wall.words for wall in walls):
-        return None
-    if options.get("rod_model", "frame") not in ("frame", "auto", "space") or any(wall.kind in ("polygon", "path") for wall in walls):
-        return None
-    lines = [""] * max(wall.line for wall in walls)
-    for wall in walls:
-        words = list(wall.words)
-        if wall.kind == "circle" and "outside" in words:
-            x, y, r = wall.numbers[:3]
+def upright(lines) -> list[str]:
+    """The lines of a wall file in which circles and planes of the plane are the surfaces in space that they are beside a rod in
+    space, which can be moved."""
+    found = []
+    for line in lines:
+        words = line.partition("#")[0].replace(",", " ").split()
+        wall = Wall(0, words) if words else None
+        if wall and wall.kind in ("circle", "plane") and not wall.in_space:
             rest = words[words.index("friction"):] if "friction" in words else []
-            words = ["cylinder", x, y, "0", "0", "0", "1", r, "outside", *rest]
-        elif wall.kind == "plane" and not wall.in_space:
-            x, y, nx, ny = wall.numbers[:4]
-            rest = words[words.index("friction"):] if "friction" in words else []
-            words = ["plane", x, y, "0", nx, ny, "0", *rest]
-        lines[wall.line - 1] = " ".join(words)
-    return lines
+            if wall.kind == "circle":
+                x, y, r = wall.numbers[:3]
+                words = ["cylinder", x, y, "0", "0", "0", "1", r, "inside" if "inside" in words else "outside", *rest]
+            else:
+                x, y, nx, ny = wall.numbers[:4]
+                words = ["plane", x, y, "0", nx, ny, "0", *rest]
+            line = " ".join(words)
+        found.append(line)
+    return found
 
 
-def prepare(scene, options, directory, move=True, posts=0) -> Played:
+def prepare(scene, options, directory, posts=0) -> Played:
     """A scene, as for tendril.run(), as it is run live; files that are made are in the directory.
 
-    move   stones of the plane become posts in space, which can be moved
-    posts  so many more stand far away, to be put somewhere"""
+    posts  so many stand far away, to be put somewhere"""
     directory = Path(directory)
     found = {} if scene is None else texts_of(scene, directory) if isinstance(scene, dict) else taken(scene_file(scene))
     found |= texts_of(options, directory)
@@ -142,26 +139,31 @@ def prepare(scene, options, directory, move=True, posts=0) -> Played:
         if not Path(found["wall_file"]).is_file():
             raise TendrilError(f"wall_file {found['wall_file']}: is not there")
         played.walls = walls_in(found["wall_file"])
-    add_posts(played, directory, move, posts)
+    if posts or any(not wall.in_space for wall in played.walls):
+        add_posts(played, directory, posts)
     return played
 
 
-def add_posts(played, directory, move, posts):
-    """Makes the stones movable, and adds those to be put somewhere."""
-    lines = movable(played.walls, played.options) if move or posts else None
-    if lines is None and posts and played.walls and all(wall.in_space for wall in played.walls):
-        lines = Path(played.options["wall_file"]).read_text().splitlines()
-    if lines is None:
+def add_posts(played, directory, posts):
+    """Beside a rod in space makes walls of the plane movable; and adds posts to be put somewhere."""
+    from .loading import load
+
+    sim = Simulation(**played.options)
+    old = Path(played.options["wall_file"]).read_text().splitlines() if played.walls else []
+    lines = upright(old) if sim.space else list(old)
+    if posts:
+        begun = Path(directory) / "alone.h5"
+        sim.save(begun)
+        radius = max(2 * load(begun).diameter, 0.05)
+        played.posts = list(range(len(lines) + 1, len(lines) + posts + 1))
+        for k in range(posts):
+            lines.append(f"cylinder {1000 + 10 * k} 1000 0  0 0 1  {radius:.6g} outside" if sim.space
+                         else f"circle {1000 + 10 * k} 1000 {radius:.6g} outside")
+    if lines == old:
         return
-    radius = max(played.number("contact_diameter", 0.1), 1e-6)
-    played.posts = list(range(len(lines) + 1, len(lines) + posts + 1))
-    for k in range(posts):
-        lines.append(f"cylinder {1000 + 10 * k} 1000 0  0 0 1  {2 * radius:.6g} outside")
     file = Path(directory) / "walls.txt"
     file.write_text("\n".join(lines) + "\n")
     played.options["wall_file"] = str(file)
-    played.lifted = played.options.get("rod_model") != "space"
-    played.options["rod_model"] = "space"
     played.walls = walls_in(file)
 
 

@@ -74,6 +74,7 @@ class Session:
         self.branches: list[Branch] = []
         self.sim = Simulation(**played.options)
         self.setup = self.begun()
+        self.courses = courses_of(self)
         self.end = float(self.setup.attributes.get("parameters/ts_max_time", 40))
         self.pace = self.end / UNHURRIED
         self.names = list(self.sim.series)
@@ -100,22 +101,13 @@ class Session:
 
         r = self.setup
         units = laboratory_units([r])
-        return {"kind": "scene", "name": self.played.name, "space": self.space, "flat": self.flat(), "controls": self.controls,
+        return {"kind": "scene", "name": self.played.name, "space": self.space, "flat": not self.space, "controls": self.controls,
                 "walls": drawn_walls(self), "diameter": float(r.diameter), "leads": may_lead_tip(self.played),
                 "pulls": self.played.held == "free", "posts": len(self.played.posts), "charts": charts_of([r]),
                 "labels": {n: plain(name_of(n)) for n in self.names}, "symbols": {n: plain(symbol_of(n)) for n in self.names},
                 "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
                 "units": {unit: name for unit, (name, _) in units.items()},
                 "options": "\n".join(f"-{k} {v}" for k, v in self.played.options.items()), "to": None}
-
-    def flat(self):
-        """Does a rod in space stay in the plane of x1 and x2, as far as its scene says? It is then drawn in it."""
-        get = self.played.options.get
-        out = ("rod_curvature_2", "rod_twist", "clamp_spin", "clamp_direction", "clamp_path", "tip_torque", "shape_turn", "rod_curvature_random_2")
-        upright = all(not wall.in_space or wall.kind == "cylinder" and wall.numbers[3:6] == ["0", "0", "1"] or
-                      wall.kind == "plane" and wall.numbers[5:6] == ["0"] for wall in self.played.walls)
-        weight = get("rod_weight", "0,0").split(",")
-        return not self.space or self.played.lifted and upright and not any(name in self.played.options for name in out) and (len(weight) < 3 or weight[2] == "0")
 
     def begin(self):
         self.thread.start()
@@ -230,8 +222,8 @@ class Session:
     def do_wall(self, command):
         """A wall to a displacement; at once: it is put there."""
         wall = self.wall(command)
-        if not wall.in_space:
-            raise TendrilError(f"wall {wall.line}, a {wall.kind}, stands still; only surfaces in space move")
+        if not self.moves(wall):
+            raise TendrilError(f"wall {wall.line}, a {wall.kind}, stands still; beside a rod in space only surfaces in space move")
         shift = [number_of(x, "displacement") for x in command["shift"]]
         shift = (shift + [0.0] * 3)[:3]
         words = list(map(repr, shift))
@@ -282,6 +274,10 @@ class Session:
             if wall.line == command["line"]:
                 return wall
         raise TendrilError("there is no such wall")
+
+    def moves(self, wall):
+        """Can it be moved?"""
+        return wall.in_space or not self.space
 
     def which(self, command):
         number = command.get("branch", self.branch.number)
@@ -448,7 +444,7 @@ class Session:
 
     def walls_now(self, t):
         """How far each wall is displaced, by line."""
-        return {str(line): shift for line, shift in shifts_at(self.plain_rows() + self.branch.all_changes(), t).items()}
+        return {str(line): shift for line, shift in shifts_at(self.plain_rows() + self.branch.all_changes(), t, self.courses).items()}
 
     def speed(self):
         """(steps, iterations) a second, of the last two seconds."""
@@ -619,7 +615,7 @@ def drawn_walls(session):
     found = []
     for wall, line in zip(order, lines):
         words = line.split()
-        one = {"line": wall.line, "kind": wall.kind, "moves": wall.in_space, "inside": "inside" in words}
+        one = {"line": wall.line, "kind": wall.kind, "moves": session.moves(wall), "inside": "inside" in words}
         numbers = [float(w) for w in words[1:8] if NUMBER.fullmatch(w)]
         if wall.kind in ("tube", "body"):
             pass
@@ -634,7 +630,7 @@ def drawn_walls(session):
             body, edges = solid(parse(text)[0], (-reach, reach, -reach, reach))
             one |= {"rings": [np.ravel(ring).tolist() for ring in (body.to_polygons(closed_only=False) if body else [])],
                     "lines": [np.ravel(edge).tolist() for edge in edges]}
-        if session.space and not session.flat():
+        if session.space:
             r.attributes["walls"] = line
             x = r.shapes["x"]
             far = np.linspace(-reach, reach, x.shape[1])[None, :, None] * np.ones(x.shape[2])
@@ -670,9 +666,10 @@ def saved_changes(file):
     return [(float(t), what, value) for t, what, value in (line.split(None, 2) for line in lines)]
 
 
-def shifts_at(changes, t):
-    """By line, how far walls are displaced at a time: as the library leads them."""
-    found = {}
+def shifts_at(changes, t, courses=None):
+    """By line, how far walls are displaced at a time: as the library leads them, from where their own lines have them, {line:
+    shift over time}."""
+    found, courses = {}, courses or {}
     for begin, what, value in changes:
         if what not in ("wall_to", "wall_at") or begin > t:
             continue
@@ -681,9 +678,34 @@ def shifts_at(changes, t):
         x = np.array([float(v) for v in words[2 if what == "wall_to" else 1:]] + [0.0])[:3]
         x = np.pad(x, (0, 3 - len(x)))
         lead = found.get(line)
-        at, rate = led(lead, begin) if lead else (np.zeros(3), np.zeros(3))
+        at, rate = led(lead, begin) if lead else carried(courses.get(line), begin)
         found[line] = (begin, float(words[1]), at, rate, x) if what == "wall_to" else (begin, begin, x, 0 * x, x)
-    return {line: led(lead, t)[0].tolist() for line, lead in found.items()}
+    return {line: np.asarray(course(t)).tolist() for line, course in courses.items() if line not in found} | {
+        line: led(lead, t)[0].tolist() for line, lead in found.items()}
+
+
+def carried(course, t):
+    """(where, how fast) of what moves as its line says; None: not at all."""
+    if course is None:
+        return np.zeros(3), np.zeros(3)
+    moment = 1e-6 * (1 + t)
+    return np.asarray(course(t)), (np.asarray(course(t + moment)) - np.asarray(course(t - moment))) / (2 * moment)
+
+
+def courses_of(session):
+    """{line: shift over time} of the walls that move as their lines say."""
+    from .walls import ends_of
+
+    walls = session.played.walls
+    order = [w for w in walls if not w.in_space] + [w for w in walls if w.in_space]
+    found = {}
+    for wall, line in zip(order, str(session.setup.attributes.get("walls", "") or "").strip().splitlines()):
+        motion = ends_of(line.split())[2]
+        if "shift" in motion:
+            found[wall.line] = motion["shift"].at
+        elif "moves" in motion:
+            found[wall.line] = lambda t, velocity=motion["moves"]: velocity * t
+    return found
 
 
 def led(lead, t):

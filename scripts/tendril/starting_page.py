@@ -29,6 +29,7 @@ FIELDS = (
     ("ts_max_time", "time", "20", "s", "how long it is fed or grows"),
     ("rod_cells", "cells", "200", "", "more are finer, and slower"),
 )
+MOST_POSTS = 20
 CHOICES = {"growth_type": ("feed", "uniform", "apical")}
 WALLS = """# a wall a line, lengths with units; the clamp is at 0 0
 circle 6cm 1.2cm 8mm outside
@@ -134,7 +135,7 @@ def drawing(options) -> dict:
     from .sessions import Session, drawn_walls
 
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
-        played = prepare(None, options, directory, move=False)
+        played = prepare(None, options, directory)
         session = Session(played, directory)
         sim, r = session.sim, session.setup
         length = r.scale("length") if "si_length" in r.attributes else 1.0
@@ -152,6 +153,16 @@ def told(r):
             f"The force of friction over that length is {force:.3g} N.")
 
 
+def posts_of(command):
+    """How many stones the page asks for beside those of a scene; None: it does not say."""
+    posts = command.get("posts")
+    if posts is None:
+        return None
+    if isinstance(posts, bool) or not isinstance(posts, int) or not 0 <= posts <= MOST_POSTS:
+        raise TendrilError(f"stones to put: give 0 to {MOST_POSTS}")
+    return posts
+
+
 def begin(server, command):
     """What the starting page asks for: a scene of the gallery, one of the form, or its drawing. What it answers."""
     if command["do"] == "home":
@@ -160,7 +171,7 @@ def begin(server, command):
         name = str(command["scene"])
         if name not in scenes():
             raise TendrilError(f"{name[:60]}: is no scene of the gallery")
-        server.start(scenes()[name])
+        server.start(scenes()[name], posts=posts_of(command))
         return None
     directory = Path(server.directory.name) / f"form-{server.runs}"
     directory.mkdir(exist_ok=True)
@@ -171,7 +182,7 @@ def begin(server, command):
     try:
         if command["do"] == "draw":
             return drawing(options)
-        server.start(None, **options)
+        server.start(None, posts=posts_of(command), **options)
     except RunError as fault:
         raise FieldError(str(fault), field_of(str(fault))) from None
     return None

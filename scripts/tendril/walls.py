@@ -7,7 +7,7 @@
 
 for axes of equal aspect. What is drawn fits itself to the limits that stand when it is drawn."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from matplotlib import rcParams
@@ -33,20 +33,32 @@ class Wall:
     numbers: np.ndarray
     friction: float
     bend: float = 0.0  # path: radius of its corners; 0: as the program chooses
-    motion: dict = field(default_factory=dict)  # in space, of what moves: see courses.motion_of()
+    motion: dict = field(default_factory=dict)  # of what moves: see courses.motion_of()
+
+    def at(self, t):
+        """It where it is at a time; a wall of the plane, which does not turn."""
+        if not self.motion:
+            return self
+        shift = self.motion["shift"].at(t) if "shift" in self.motion else t * self.motion["moves"]
+        numbers, first = self.numbers.copy(), int(self.kind == "path")
+        places = numbers[first:len(numbers) if self.kind in ("path", "polygon") else 2].reshape(-1, 2)
+        places += shift[:2]
+        return replace(self, numbers=numbers, motion={})
 
 
 def ends_of(words):
     """(the words of a line without friction, radius and motion at its end; {"friction": 0.3, ...}; how it moves, as
     courses.motion_of() has it)"""
     own, motion = {"friction": 0.0, "radius": 0.0}, {}
-    while len(words) > 2 and words[-2] in own:
-        own[words[-2]] = float(words[-1])
-        words = words[:-2]
-    while at := max((k for k, word in enumerate(words) if k and word in ("moves", "turns")), default=0):
-        motion |= motion_of(words[at], words[at + 1:])
-        words = words[:at]
-    return words, own, motion
+    while True:
+        if len(words) > 2 and words[-2] in own:
+            own[words[-2]] = float(words[-1])
+            words = words[:-2]
+        elif at := max((k for k, word in enumerate(words) if k and word in ("moves", "turns")), default=0):
+            motion |= motion_of(words[at], words[at + 1:])
+            words = words[:at]
+        else:
+            return words, own, motion
 
 
 def parse(text):
@@ -62,9 +74,10 @@ def parse(text):
     return walls
 
 
-def walls_of(r):
-    """The walls around a run; none is an empty list."""
-    return parse(r.attributes.get("walls"))
+def walls_of(r, t=0.0):
+    """The walls around a run, those of the plane where they are at a time; none is an empty list."""
+    walls = parse(r.attributes.get("walls"))
+    return walls if r.in_space else [wall.at(t) for wall in walls]
 
 
 # ---- outlines ----
@@ -231,17 +244,18 @@ def outlines(r) -> list[tuple[list[np.ndarray], list[np.ndarray]]]:
     return found
 
 
-def draw_walls(ax, r, scale=1.0, room=True):
-    """Draws the walls of a run behind all else, and makes room for those the rod is within.
-    scale: what a unit of length is in the picture."""
-    walls = walls_of(r)
+def draw_walls(ax, r, scale=1.0, room=True, t=0.0):
+    """Draws the walls of a run, where they are at a time, behind all else, and makes room for those the rod is within.
+    scale: what a unit of length is in the picture. Returns what draws them, whose .walls may be set; None if there are none."""
+    walls = walls_of(r, t)
     if not walls:
-        return
-    ax.add_artist(Scenery(walls, scale))
+        return None
+    scenery = ax.add_artist(Scenery(walls, scale))
     holds = [w for w in walls if w.inside or w.kind == "path"]
     if holds and room:
         ax.update_datalim(scale * reach_of(holds))
         ax.autoscale_view()
+    return scenery
 
 
 class Thick:

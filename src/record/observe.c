@@ -19,6 +19,7 @@ PetscInt ObservedOf(Scene scene) {
   if (scene->tropism.any) return OBSERVED;
   if (scene->curvature.steered) return OBSERVED_STEERED;
   if (scene->space.rod) return OBSERVED_IN_SPACE;
+  if (scene->contact.walls.carried) return OBSERVED_IN_SPACE;
   return OBSERVED_ALWAYS + (scene->load.weighs ? OBSERVED_OF_WEIGHT : 0);
 }
 
@@ -30,7 +31,9 @@ PetscBool ObservedIn(Scene scene, PetscInt observed) {
   if (observed < OBSERVED_ALWAYS || observed >= OBSERVED_STEERED) return PETSC_TRUE;
   if (observed >= OBSERVED_IN_SPACE) return scene->curvature.steered;
   if (!scene->space.rod)
-    return (PetscBool)(weighs && observed < OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT);
+    return (PetscBool)((weighs && observed < OBSERVED_ALWAYS + OBSERVED_OF_WEIGHT) ||
+                       (scene->contact.walls.carried &&
+                        !strcmp(observed_name[observed], "wall_power")));
   return (PetscBool)(weighs || strncmp(observed_name[observed], "weight_force", 12));
 }
 

@@ -98,9 +98,10 @@ PetscBool FootAbout(const FootCell *cell, Vector2 c, Foot *foot) {
 }
 
 /* What a post is to a foot: false, the foot is in its middle. */
-static PetscBool TouchPost(const Contact *contact, const WallPost *post, const Foot *foot,
-                           Touch *touch) {
-  const Vector2 way = Minus2(From2(foot->on.x), post->at);
+static PetscBool TouchPost(const Contact *contact, PetscInt item, const Foot *foot, Touch *touch) {
+  const Walls *walls = &contact->walls;
+  const WallPost *post = &walls->post[item];
+  const Vector2 way = Minus2(From2(foot->on.x), WallsPostAt(walls, item));
   const PetscReal distance = Size2(way);
 
   *touch = (Touch){.gap = distance - post->r - contact->diameter / 2,
@@ -108,6 +109,8 @@ static PetscBool TouchPost(const Contact *contact, const WallPost *post, const F
                    .wall = post->wall,
                    .friction = ContactWallFriction(contact, post->wall)};
   if (distance == 0) return PETSC_FALSE;
+  touch->moves = (PetscBool)(item >= walls->resting);
+  if (touch->moves) Put2(WallVelocity(walls, post->wall), touch->v);
   Put2(Over2(way, distance), touch->normal);
   for (int d = 0; d < 2; d++)
     for (int c = 0; c < 2; c++)
@@ -124,8 +127,8 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   Foot foot = {.item = item};
   Touch touch;
 
-  if (share == 0 || !FootAbout(look->cell, post->at, &foot) ||
-      !TouchPost(contact, post, &foot, &touch))
+  if (share == 0 || !FootAbout(look->cell, WallsPostAt(&contact->walls, item), &foot) ||
+      !TouchPost(contact, item, &foot, &touch))
     return reach;
   foot.strength = share * contact->tip;
   foot.strength_t = share * contact->tip_t + share_t * contact->tip;
@@ -279,7 +282,7 @@ void FeetFind(const Contact *contact, const FootCell *cell, PetscReal within, Fe
   if (!contact->thin) return;
   if (cell->dims == 2) {
     const Block block = CellBlock(cell);
-    BlocksNear(contact->walls.near_posts, &block, reach, MeetPost, &look);
+    WallsPostsNear(&contact->walls, &block, reach, MeetPost, &look);
   } else {
     PetscReal b[4][3];
     look.extent = Hull(&cell->curve, b);

@@ -735,13 +735,17 @@ static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *s
   for (int k = 0; k < 3; k++) {
     if (at[k])
       LoadParts(2, cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
+    sum->moved += cell->h * weight[k] * cell->law[k].g * end->moved;
     for (int d = 0; d < 2; d++) {
       sum->friction[d] += cell->h * weight[k] * cell->law[k].g * end->friction[d];
       sum->walls[d] += cell->h * weight[k] * cell->law[k].g * end->walls[d];
     }
   }
   for (PetscInt k = 0; k < n; k++)
-    for (int d = 0; d < 2; d++) sum->walls[d] += feet.foot[k].force[d];
+    for (int d = 0; d < 2; d++) {
+      sum->walls[d] += feet.foot[k].force[d];
+      sum->moved += feet.foot[k].force[d] * feet.touch[k].v[d];
+    }
 }
 
 /* Adds what the tip bears. */
@@ -750,7 +754,7 @@ static void AddTip(const Cell *cell, RodForces *sum) {
   const Tip *tip = &rod->scene->tip;
   const TipState end = TipOf(cell->b);
 
-  (void)TipWalls(2, tip, &end, TipDual(rod), sum->tip);
+  sum->moved += TipWalls(2, tip, &end, TipDual(rod), sum->tip);
   for (int d = 0; d < 2; d++) sum->walls[d] += sum->tip[d];
   for (int d = 0; d < 2 && cell->push && tip->type == TIP_FREE; d++)
     sum->tip[d] += cell->push[2 * rod->last + 1][d];

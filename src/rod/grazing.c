@@ -19,7 +19,7 @@ static PetscInt CountWalls(const Contact *contact) {
 static PetscBool WallsMove(const Contact *contact) {
   for (PetscInt k = 0; k < contact->surfaces.n; k++)
     if (contact->surfaces.surface[k].motion.any) return PETSC_TRUE;
-  return PETSC_FALSE;
+  return contact->walls.move;
 }
 
 /* Where an owned node is: the first fields of a rod that can touch. */

@@ -76,10 +76,10 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   const WallPost *post = &look->contact->walls.post[item];
   const PetscReal half = look->contact->diameter / 2, rho = post->r + half,
                   deep = half > 0 ? PetscMin(half, rho / 2) : rho / 2;
+  const Vector2 at = WallsPostAt(&look->contact->walls, item);
   Foot foot;
 
-  if (FootAbout(look->cell, post->at, &foot) &&
-      Size2(Minus2(From2(foot.on.x), post->at)) < rho - deep)
+  if (FootAbout(look->cell, at, &foot) && Size2(Minus2(From2(foot.on.x), at)) < rho - deep)
     look->passes = PETSC_TRUE;
   return look->passes ? -1 : reach;
 }
@@ -94,11 +94,26 @@ static PetscReal MeetPart(PetscInt item, PetscReal reach, void *ctx) {
   return look->passes ? -1 : reach;
 }
 
+/* ... of one that moves. */
+static void MeetMovedEdges(Looking *look) {
+  const Walls *walls = &look->contact->walls;
+
+  for (PetscInt w = 0; w < walls->n; w++) {
+    const Wall *wall = &walls->wall[w];
+    Bezier moved;
+    if (!wall->motion.any || wall->kind != WALL_POLYGON) continue;
+    for (int k = 0; k < 4; k++)
+      Put2(Minus2(From2(look->curve[k]), WallShift(walls, w, walls->time)), moved[k]);
+    for (PetscInt k = 0; k < wall->pieces; k++)
+      if (!wall->piece[k].round && Cuts(moved, &wall->piece[k], 0)) look->passes = PETSC_TRUE;
+  }
+}
+
 /* Is a place of the rod behind any wall, or was it on its way there? (Only between the arms of
    conduits may it come out again: what is behind the other walls has no other side, or is seen by
    its edges and posts.) */
-static PetscBool Behind(const Contact *contact, const PetscReal x0[], const PetscReal x1[]) {
-  const Vector2 way = Minus2(From2(x1), From2(x0));
+static PetscBool Behind(const Contact *contact, Vector2 x0, Vector2 x1) {
+  const Vector2 way = Minus2(x1, x0);
   const PetscReal half = contact->diameter / 2,
                   deep = half > 0 ? half : rod_rule.lengths_behind * contact->tip;
   PetscInt n = 1;
@@ -107,22 +122,37 @@ static PetscBool Behind(const Contact *contact, const PetscReal x0[], const Pets
     n = (PetscInt)PetscMin(rod_rule.behind_states, PetscCeilReal(2 * Size2(way) / deep));
   for (PetscInt k = 1; k <= PetscMax(n, 1); k++) {
     PetscReal x[3] = {0};
-    Put2(Along2(From2(x0), (PetscReal)k / PetscMax(n, 1), way), x);
+    Put2(Along2(x0, (PetscReal)k / PetscMax(n, 1), way), x);
     if (WallsGap(&contact->walls, x, half) < -deep) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
 
-static PetscBool CellIsBehind(const Contact *contact, const FootCell *before,
+/* ... seen from the conduits that have moved since then: so it is told to have been behind one
+   where it was not only if it has gone far. */
+static PetscBool BehindMoving(const Contact *contact, PetscReal t0, Vector2 x0, Vector2 x1) {
+  const Walls *walls = &contact->walls;
+
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].motion.any && walls->wall[w].kind == WALL_PATH &&
+        Behind(contact, Plus2(x0, WallsCarried(walls, w, t0)), x1))
+      return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+static PetscBool CellIsBehind(const Contact *contact, PetscReal t0, const FootCell *before,
                               const FootCell *cell) {
+  const Vector2 x0 = From2(before->curve.x[1]), x1 = From2(cell->curve.x[1]);
   Looking look = {.contact = contact, .cell = cell};
   Block block;
 
   CurveOf(cell, look.curve);
   block = BlockOf(look.curve);
-  BlocksNear(contact->walls.near_posts, &block, contact->diameter / 2, MeetPost, &look);
+  WallsPostsNear(&contact->walls, &block, contact->diameter / 2, MeetPost, &look);
   if (!look.passes) BlocksNear(contact->walls.near_parts, &block, 0, MeetPart, &look);
-  return (PetscBool)(look.passes || Behind(contact, before->curve.x[1], cell->curve.x[1]));
+  if (contact->walls.move && !look.passes) MeetMovedEdges(&look);
+  return (PetscBool)(look.passes || Behind(contact, x0, x1) ||
+                     (contact->walls.move && BehindMoving(contact, t0, x0, x1)));
 }
 
 /* ---- what it has swept ---- */
@@ -132,8 +162,8 @@ static PetscReal Mark(PetscInt item, PetscReal reach, void *ctx) {
   return reach;
 }
 
-/* Marks the posts that a cell may have swept: what it sweeps is between its points before and now.
- */
+/* Marks the posts that a cell may have swept, and all that move: what it sweeps is between its
+   points before and now. */
 static void MarkPosts(const Walls *walls, const FootCell *before, const FootCell *cell,
                       char marked[]) {
   Bezier b[2];
@@ -142,7 +172,7 @@ static void MarkPosts(const Walls *walls, const FootCell *before, const FootCell
   CurveOf(before, b[0]);
   CurveOf(cell, b[1]);
   for (int k = 0; k < 8; k++) BlockHold(2, &block, b[k / 4][k % 4]);
-  BlocksNear(walls->near_posts, &block, 0, Mark, marked);
+  WallsPostsNear(walls, &block, 0, Mark, marked);
 }
 
 /* The cells of a rank, before and now, with the node behind the last. */
@@ -150,6 +180,14 @@ typedef struct {
   PetscInt n;
   FootCell *cell[2];
 } Cells;
+
+/* By how much the way of an end of a cell turns about c, as Winding() has it. */
+static PetscReal EndTurn(const Cells *cells, PetscInt k, int end, Vector2 c, Vector2 by) {
+  PetscReal before[DIMS];
+
+  Put2(Plus2(From2(cells->cell[0][k].curve.x[end]), by), before);
+  return Turn(before, cells->cell[1][k].curve.x[end], c);
+}
 
 /*
   Has the rod swept the middle c of a post? The rod before, the way of its tip, the rod now
@@ -159,27 +197,35 @@ typedef struct {
     turns of the rod before + the way of the tip - the rod now - the way of its beginning = 2 pi, or
     -2 pi
 
-  so it does not matter which of its material is where.
+  so it does not matter which of its material is where. Of a post that moves, as it sees the rod: by
+  is how far it has been carried since then, c where it is now.
 */
-static PetscReal Winding(const Cells *cells, Vector2 c) {
+static PetscReal Winding(const Cells *cells, Vector2 c, Vector2 by) {
+  const Vector2 was = Minus2(c, by);
   PetscReal sum = 0;
 
   for (PetscInt k = 0; k < cells->n; k++)
     for (int now = 0; now < 2; now++) {
       Bezier b;
       CurveOf(&cells->cell[now][k], b);
-      sum += (now ? -1 : 1) * CurveTurn(b, c, 0);
+      sum += (now ? -1 : 1) * CurveTurn(b, now ? c : was, 0);
     }
-  if (cells->n && cells->cell[0][0].first)
-    sum -= Turn(cells->cell[0][0].curve.x[0], cells->cell[1][0].curve.x[0], c);
-  if (cells->n && cells->cell[0][cells->n - 1].last)
-    sum +=
-        Turn(cells->cell[0][cells->n - 1].curve.x[1], cells->cell[1][cells->n - 1].curve.x[1], c);
+  if (cells->n && cells->cell[0][0].first) sum -= EndTurn(cells, 0, 0, c, by);
+  if (cells->n && cells->cell[0][cells->n - 1].last) sum += EndTurn(cells, cells->n - 1, 1, c, by);
   return sum;
 }
 
+/* ... about a post, from the time t0 on. */
+static PetscReal PostWinding(const Walls *walls, const Cells *cells, PetscReal t0, PetscInt post) {
+  const Vector2 rests = {0, 0}, by = post < walls->resting
+                                         ? rests
+                                         : WallsCarried(walls, walls->post[post].wall, t0);
+
+  return Winding(cells, WallsPostAt(walls, post), by);
+}
+
 /* Collective. */
-static PetscErrorCode Sweeps(Rod rod, const Cells *cells, PetscBool *sweeps) {
+static PetscErrorCode Sweeps(Rod rod, PetscReal t0, const Cells *cells, PetscBool *sweeps) {
   const Walls *walls = &rod->scene->contact.walls;
   PetscInt n = 0;
   PetscReal *sum;
@@ -196,7 +242,7 @@ static PetscErrorCode Sweeps(Rod rod, const Cells *cells, PetscBool *sweeps) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, marked, count, MPI_CHAR, MPI_MAX, rod->scene->comm));
   PetscCall(PetscMalloc1(walls->posts, &sum));
   for (PetscInt k = 0; k < walls->posts; k++)
-    if (marked[k]) sum[n++] = Winding(cells, walls->post[k].at);
+    if (marked[k]) sum[n++] = PostWinding(walls, cells, t0, k);
   PetscCall(PetscMPIIntCast(n, &count));
   if (n)
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, count, MPIU_REAL, MPI_SUM, rod->scene->comm));
@@ -278,18 +324,19 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
     PetscCall(RodPassesWalls3(rod, t0, t1, U0, U1, passes));
     PetscFunctionReturn(0);
   }
+  if (contact->walls.move) PetscCall(SceneContactAt(rod->scene, t1));
   PetscCall(PetscMalloc2(n, &cells.cell[0], n, &cells.cell[1]));
   PetscCall(RodFootCells(rod, t0, U0, n, cells.cell[0]));
   PetscCall(RodFootCells(rod, t1, U1, n, cells.cell[1]));
   for (PetscInt k = 0; k < n; k++) {
     const FootCell *cell = &cells.cell[1][k];
-    if (CellIsBehind(contact, &cells.cell[0][k], cell)) verdict[PASSES] = 1;
+    if (CellIsBehind(contact, t0, &cells.cell[0][k], cell)) verdict[PASSES] = 1;
     if (ContactTouches(2, contact, cell->curve.x[1], touch) == MOST_WALL_TOUCHES)
       verdict[CROWDED] = 1;
     if (contact->thin) FeetFind(contact, cell, contact->smooth, &feet);
     if (feet.n == MOST_FEET) verdict[FEET] = 1;
   }
-  PetscCall(Sweeps(rod, &cells, &sweeps));
+  PetscCall(Sweeps(rod, t0, &cells, &sweeps));
   PetscCall(PetscFree2(cells.cell[0], cells.cell[1]));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, verdict, VERDICTS, MPI_INT, MPI_MAX, rod->scene->comm));
   UserCheck(

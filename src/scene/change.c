@@ -215,9 +215,11 @@ static PetscErrorCode ChangeWallFriction(Scene scene, const Asked *asked) {
 }
 
 static const char *RefusesWalls(Scene scene, PetscReal t) {
-  return scene->contact.surfaces.n
-             ? NULL
-             : "it has no surface in space; walls of the plane stand still (docs/live.md)";
+  if (scene->contact.surfaces.n || (scene->contact.walls.n && !scene->space.rod)) return NULL;
+  return scene->contact.walls.n
+             ? "beside a rod in space walls of the plane stand still; say them as "
+               "surfaces in space (docs/live.md)"
+             : "there is no wall";
 }
 
 /* The displacement that stands behind word k; x3 may be left out. */
@@ -236,11 +238,18 @@ static PetscErrorCode MoveWall(Scene scene, const Asked *asked, PetscReal by, Pe
 
   PetscFunctionBegin;
   PetscCall(WallOf(scene, asked, &wall, &surface));
-  UserCheck(wall < 0, scene->comm,
-            "%s: walls of the plane stand still; say it as a surface in space (docs/live.md)",
+  UserCheck(wall < 0 || !scene->space.rod, scene->comm,
+            "%s: beside a rod in space a wall of the plane stands still; say it as a surface in "
+            "space (docs/live.md)",
             asked->name);
   PetscCall(Shift(scene, asked, k, x));
+  UserCheck(wall < 0 || x[2] == 0, scene->comm,
+            "%s: leads a wall out of the plane, in which this run is", asked->name);
   if (asked->trial) PetscFunctionReturn(0);
+  if (wall >= 0) {
+    PetscCall(WallsLeadTo(&scene->contact.walls, wall, asked->t, by, x));
+    PetscFunctionReturn(0);
+  }
   PetscCall(MotionLeadTo(&surfaces->surface[surface].motion, asked->t, by, x));
   PetscCall(SurfacesIndexAnew(surfaces));
   PetscFunctionReturn(0);
@@ -441,13 +450,15 @@ PetscErrorCode SceneChange(Scene scene, const char *name, const char *value, Pet
   PetscFunctionReturn(0);
 }
 
-/* SceneHasRoom - is none of the rod's places, in the clamp's frame, where -wall_at puts a surface?
+/* SceneHasRoom - is none of the rod's places, in the clamp's frame, where -wall_at puts a wall?
    After SceneMayChange(). Collective; n may be 0 on some ranks. */
 PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
                             const PetscReal x[][3], PetscBool *has) {
   const Change *change = Find("-wall_at");
   Asked asked = {.name = change->name, .t = t};
-  PetscReal lab[3], shift[3];
+  const Walls *walls = &scene->contact.walls;
+  const PetscReal half = scene->contact.diameter / 2;
+  PetscReal lab[3], shift[3], gap;
   PetscInt wall, surface;
   char *text;
 
@@ -459,8 +470,10 @@ PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscIn
   *has = PETSC_TRUE;
   for (PetscInt i = 0; i < n && *has; i++) {
     SpaceToLab(&scene->space, x[i], lab);
-    *has = (PetscBool)(SurfaceShifted(&scene->contact.surfaces.surface[surface], t, shift, lab) >=
-                       scene->contact.diameter / 2);
+    gap = wall >= 0
+              ? WallGapShifted(walls, wall, WallsDisplacement(walls, shift), x[i], half)
+              : SurfaceShifted(&scene->contact.surfaces.surface[surface], t, shift, lab) - half;
+    *has = (PetscBool)(gap >= 0);
   }
   PetscFunctionReturn(0);
 }

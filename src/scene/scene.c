@@ -77,6 +77,7 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   const Growth growth = scene->growth;
   PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
 
+  next = SmallerOf(next, WallsNextTurn(&scene->contact.walls, t));
   next = SmallerOf(next, TipNextTurn(&scene->tip, t));
   if (scene->space.clamp_path) next = SmallerOf(next, ScheduleNextTurn(scene->space.clamp_path, t));
   if (scene->load.field) next = SmallerOf(next, FieldNextTurn(scene->load.field, t));
@@ -108,7 +109,7 @@ PetscErrorCode SceneContactAt(Scene scene, PetscReal t) {
   PetscCall(SceneStiffness(scene, 1, t, &B[1], NULL));
   B[0] = scene->stiffness.most;
   ContactSetStiffness(&scene->contact, B, cell, length);
-  scene->contact.surfaces.time = t;
+  scene->contact.surfaces.time = scene->contact.walls.time = t;
   scene->contact.time = t;
   PetscFunctionReturn(0);
 }

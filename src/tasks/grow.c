@@ -76,7 +76,8 @@ static PetscBool LedRoundCorner(Scene scene, PetscBool touches, PetscReal t0, Pe
   return (PetscBool)(SceneJerks(scene, t0, t1) ||
                      (scene->tip.path && PathTurnsCorner(scene->tip.path, t0, t1)) ||
                      (scene->space.clamp_path && ScheduleJerks(scene->space.clamp_path, t0, t1)) ||
-                     (touches && SurfacesJerk(&scene->contact.surfaces, t0, t1)));
+                     (touches && (SurfacesJerk(&scene->contact.surfaces, t0, t1) ||
+                                  WallsJerk(&scene->contact.walls, t0, t1))));
 }
 
 /*

@@ -11,7 +11,7 @@ static PetscErrorCode ValueOf(const char *name, char value[PETSC_MAX_PATH_LEN]) 
   PetscFunctionReturn(0);
 }
 
-/* Refuses a surface that would be put where the rod is. */
+/* Refuses a wall that would be put where the rod is. */
 static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value, PetscReal t) {
   const PetscInt n = self->scene->mesh.cells + 1;
   const Node *nodes;
@@ -25,7 +25,8 @@ static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value,
                            self->seen.t > 0 ? self->now->U : NULL, NULL, &nodes));
   PetscCall(PetscMalloc1(n, &x));
   for (PetscInt i = 0; nodes && i < n; i++)
-    for (int d = 0; d < 3; d++) x[i][d] = nodes[i].x3[d];
+    for (int d = 0; d < 3; d++)
+      x[i][d] = self->scene->space.rod ? nodes[i].x3[d] : d < 2 ? nodes[i].x[d] : 0;
   PetscCall(SceneHasRoom(self->scene, value, t, nodes ? n : 0, (const PetscReal(*)[3])x, &room));
   free = room;
   PetscCall(PetscFree(x));

@@ -31,12 +31,17 @@ void ContactSlots(int dims, PetscInt n, const Touch touch[], FrictionDual slots[
 
 /* ---- in the plane ---- */
 
-/* The speed along a surface, t.v with t = n turned to the left. */
-static PetscReal SlipInPlane(const Touch *touch, const Rubbed *at) {
-  return touch->normal[0] * at->v[1] - touch->normal[1] * at->v[0];
+/* The velocity against that of the wall. */
+static Vector2 AgainstInPlane(const Touch *touch, const Rubbed *at) {
+  return Minus2(From2(at->v), From2(touch->v));
 }
 
-/* f = p n - mu p w t,   w = u/r, u = v.t */
+/* The speed along a surface, t.(v - v_w) with t = n turned to the left. */
+static PetscReal SlipInPlane(const Touch *touch, const Rubbed *at) {
+  return Cross2(From2(touch->normal), AgainstInPlane(touch, at));
+}
+
+/* f = p n - mu p w t,   w = u/r, u = (v - v_w).t */
 static void PushInPlane(const Contact *contact, const Touch *touch, const Rubbed *at,
                         const FrictionDual *dual, Push *push) {
   static const FrictionDual none = {.v = {0}};
@@ -54,12 +59,12 @@ static void PushInPlane(const Contact *contact, const Touch *touch, const Rubbed
 
 /* With dn = bend t (t.dx), dt = -bend n (t.dx), dp = p' n.dx:
 
-     df = p' (n.dx)(n - mu w t) + p (dn - mu w dt) - mu p w' t (t.dv + v.dt) */
+     df = p' (n.dx)(n - mu w t) + p (dn - mu w dt) - mu p w' t (t.dv + (v - v_w).dt) */
 static void SlopeInPlane(const Contact *contact, const Touch *touch, const Rubbed *at,
                          PetscBool fresh, FrictionDual *dual, Push *push) {
   enum { DIMS = 2 };
-  const PetscReal *n = touch->normal, *v = at->v, mu = touch->friction, bend = touch->curvature,
-                  t[] = {-n[1], n[0]};
+  const PetscReal *n = touch->normal, mu = touch->friction, bend = touch->curvature,
+                  t[] = {-n[1], n[0]}, away = Dot2(AgainstInPlane(touch, at), From2(n));
   PetscReal u = SlipInPlane(touch, at), p, slope, w = 0, by_u = 0;
   FrictionDual own = {.v = {0}};
 
@@ -71,8 +76,7 @@ static void SlopeInPlane(const Contact *contact, const Touch *touch, const Rubbe
   }
   for (int d = 0; d < DIMS; d++)
     for (int c = 0; c < DIMS; c++) {
-      const PetscReal dn = bend * t[d] * t[c], dt = -bend * n[d] * t[c],
-                      du = -bend * (v[0] * n[0] + v[1] * n[1]) * t[c];
+      const PetscReal dn = bend * t[d] * t[c], dt = -bend * n[d] * t[c], du = -bend * away * t[c];
       push->x[d][c] = slope * n[c] * (n[d] - mu * w * t[d]) + p * (dn - mu * w * dt) -
                       mu * p * by_u * t[d] * du;
       push->W[d][c] = -mu * p * by_u * t[d] * t[c];

@@ -52,15 +52,14 @@ typedef struct {
   PetscReal x[RUBS][3], q[RUBS][3], W[RUBS][RUBS];
 } Push;
 
-/* How a wall of the plane faces a rod in the plane. */
+/* How a wall of the plane faces a rod in the plane: all but how it moves in that. */
 static inline void ContactFace(Vector2 n, PetscReal curvature, Touch *touch) {
   const PetscReal t[3] = {-n.y, n.x, 0};
 
   Put2(n, touch->normal);
-  touch->normal[2] = 0;
+  touch->normal[2] = touch->v[2] = 0;
   touch->curvature = curvature;
   touch->steep = 1;
-  touch->moves = PETSC_FALSE;
   for (int d = 0; d < 3; d++)
     for (int c = 0; c < 3; c++) touch->bend[d][c] = curvature * t[d] * t[c];
 }

@@ -129,6 +129,8 @@ static PetscInt TouchFlat(const Contact *self, const PetscReal x[3], Touch touch
     ContactFace(flat[k].normal, flat[k].bend, &touch[k]);
     touch[k].friction = ContactWallFriction(self, flat[k].wall);
     touch[k].wall = flat[k].wall;
+    touch[k].moves = self->walls.wall[flat[k].wall].motion.any;
+    Put2(flat[k].v, touch[k].v);
   }
   return n;
 }

@@ -105,6 +105,23 @@ static PetscErrorCode IndexAxis(Wall *wall) {
   PetscFunctionReturn(0);
 }
 
+/* Is it a conduit that rests? */
+static PetscBool IsConduit(const Wall *wall) {
+  return (PetscBool)(wall->axis && !wall->motion.any);
+}
+
+/* The pieces of a polygon that moves, so that a place need not look at all of them. */
+static PetscErrorCode IndexEdges(Wall *wall) {
+  Block *block;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(wall->pieces, &block));
+  for (PetscInt k = 0; k < wall->pieces; k++) block[k] = PieceBlock(&wall->piece[k]);
+  PetscCall(BlocksCreate(2, wall->pieces, block, &wall->edges));
+  PetscCall(PetscFree(block));
+  PetscFunctionReturn(0);
+}
+
 static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x);
 
 /* A gentle bend is an arc of a wide circle. Where the conduit goes through that circle elsewhere,
@@ -124,19 +141,39 @@ static void DropOpenPosts(Walls *walls) {
   walls->posts = n;
 }
 
+/* Puts those of walls that move behind the others. */
+static PetscErrorCode SortPosts(Walls *walls) {
+  WallPost *before;
+  PetscInt n = 0;
+
+  PetscFunctionBegin;
+  walls->resting = walls->posts;
+  if (!walls->move) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc1(walls->posts, &before));
+  PetscCall(PetscArraycpy(before, walls->post, walls->posts));
+  for (int moves = 0; moves < 2; moves++) {
+    if (moves) walls->resting = n;
+    for (PetscInt k = 0; k < walls->posts; k++)
+      if ((int)walls->wall[before[k].wall].motion.any == moves) walls->post[n++] = before[k];
+  }
+  PetscCall(PetscFree(before));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode IndexPosts(Walls *walls) {
   Block *block;
 
   PetscFunctionBegin;
   DropOpenPosts(walls);
-  PetscCall(PetscMalloc1(walls->posts, &block));
-  for (PetscInt k = 0; k < walls->posts; k++) {
+  PetscCall(SortPosts(walls));
+  PetscCall(PetscMalloc1(walls->resting, &block));
+  for (PetscInt k = 0; k < walls->resting; k++) {
     const WallPost *post = &walls->post[k];
     const Vector2 all_round = {post->r, post->r};
     Put2(Minus2(post->at, all_round), block[k].low);
     Put2(Plus2(post->at, all_round), block[k].high);
   }
-  PetscCall(BlocksCreate(2, walls->posts, block, &walls->near_posts));
+  PetscCall(BlocksCreate(2, walls->resting, block, &walls->near_posts));
   PetscCall(PetscFree(block));
   PetscFunctionReturn(0);
 }
@@ -157,7 +194,7 @@ static PetscErrorCode MakeSquares(Walls *walls) {
   }
   if (walls->parts) size = PetscMax(sum / walls->parts / 2, 1e-6);
   for (PetscInt w = 0; w < walls->n; w++)
-    if (walls->wall[w].axis) {
+    if (IsConduit(&walls->wall[w])) {
       size = PetscMin(size, walls->wall[w].number[0] / 2);
       pieces += walls->wall[w].pieces;
     }
@@ -166,7 +203,7 @@ static PetscErrorCode MakeSquares(Walls *walls) {
   tree[n] = walls->near_parts;
   reach[n++] = 2 * size;
   for (PetscInt w = 0; w < walls->n; w++)
-    if (walls->wall[w].axis) {
+    if (IsConduit(&walls->wall[w])) {
       tree[n] = walls->wall[w].axis;
       reach[n++] = 1.5 * walls->wall[w].number[0];
     }
@@ -194,7 +231,9 @@ PetscErrorCode WallsIndex(Walls *walls) {
       PetscCall(IndexAxis(wall));
       walls->conduits++;
     }
-    for (PetscInt k = 0; k < wall->pieces && wall->kind != WALL_PATH; k++) {
+    if (wall->motion.any) walls->move = PETSC_TRUE;
+    if (wall->motion.any && wall->kind == WALL_POLYGON) PetscCall(IndexEdges(wall));
+    for (PetscInt k = 0; k < wall->pieces && wall->kind != WALL_PATH && !wall->motion.any; k++) {
       if (ends) block[walls->parts] = PieceBlock(&wall->piece[k]);
       *(ends ? &walls->part[walls->parts++] : &walls->open[walls->opens++]) = (WallPart){w, k};
     }
@@ -208,7 +247,10 @@ PetscErrorCode WallsIndex(Walls *walls) {
 
 PetscErrorCode WallsDropIndex(Walls *walls) {
   PetscFunctionBegin;
-  for (PetscInt w = 0; w < walls->n; w++) PetscCall(BlocksDestroy(&walls->wall[w].axis));
+  for (PetscInt w = 0; w < walls->n; w++) {
+    PetscCall(BlocksDestroy(&walls->wall[w].axis));
+    PetscCall(BlocksDestroy(&walls->wall[w].edges));
+  }
   PetscCall(BlocksDestroy(&walls->near_posts));
   PetscCall(BlocksDestroy(&walls->near_parts));
   PetscCall(SquaresDestroy(&walls->squares));
@@ -243,6 +285,7 @@ static void Take(Look *look, PetscInt wall, PetscInt piece, WallTouch *at) {
   at->wall = wall;
   at->piece = piece;
   at->again = PETSC_FALSE;
+  at->v = (Vector2){0, 0};
   for (; k > 0 && (look->touch[k - 1].wall > wall ||
                    (look->touch[k - 1].wall == wall && look->touch[k - 1].piece > piece));
        k--)
@@ -364,7 +407,7 @@ static void LookByLists(Look *look, const int *parts) {
   PetscInt tree = 1;
 
   for (PetscInt w = 0; w < walls->n && walls->conduits; w++)
-    if (walls->wall[w].axis) {
+    if (IsConduit(&walls->wall[w])) {
       if (!LookAtListed(look, w, SquaresReach(walls->squares, tree++), list))
         LookAtConduit(look, w, &place);
       list = SquaresNext(list);
@@ -372,18 +415,61 @@ static void LookByLists(Look *look, const int *parts) {
   LookAtParts(look, parts);
 }
 
+/* A piece of one wall. */
+static PetscReal MeetPiece(PetscInt item, PetscReal reach, void *ctx) {
+  Look *look = (Look *)ctx;
+
+  LookAt(look, &(const WallPart){look->wall, item});
+  return PetscMin(reach, Reach(look));
+}
+
+/* One wall by itself. */
+static void LookAtWall(Look *look, PetscInt w) {
+  const Wall *wall = &look->walls->wall[w];
+  const Block place = BlockAt(2, look->x);
+
+  look->wall = w;
+  if (wall->kind == WALL_PATH)
+    LookAtConduit(look, w, &place);
+  else if (wall->edges && wall->pieces > FEW)
+    BlocksNear(wall->edges, &place, Reach(look), MeetPiece, look);
+  else
+    for (PetscInt k = 0; k < wall->pieces; k++) (void)MeetPiece(k, everywhere, look);
+}
+
+/* ... displaced by so much. */
+static void LookAtShifted(Look *look, PetscInt wall, Vector2 shift) {
+  const Look from = *look;
+  PetscReal y[3] = {0};
+
+  look->at = Minus2(from.at, shift);
+  Put2(look->at, y);
+  look->x = y;
+  LookAtWall(look, wall);
+  look->at = from.at;
+  look->x = from.x;
+}
+
+static void LookAtMoving(Look *look) {
+  const Walls *walls = look->walls;
+
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].motion.any) LookAtShifted(look, w, WallShift(walls, w, walls->time));
+}
+
 static void LookAround(Look *look) {
   const Walls *walls = look->walls;
   const Block place = BlockAt(2, look->x);
   const int *lists = walls->squares ? SquaresAt(walls->squares, look->x) : NULL;
 
+  if (walls->move) LookAtMoving(look);
   for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
   if (lists) {
     LookByLists(look, lists);
     return;
   }
   for (PetscInt w = 0; w < walls->n && walls->conduits; w++)
-    if (walls->wall[w].axis) LookAtConduit(look, w, &place);
+    if (IsConduit(&walls->wall[w])) LookAtConduit(look, w, &place);
   if (walls->parts <= FEW)
     for (PetscInt k = 0; k < walls->parts; k++) LookAt(look, &walls->part[k]);
   else
@@ -405,6 +491,8 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, 
   LookAround(&look);
   for (PetscInt k = 1; k < look.n; k++)
     touch[k].again = (PetscBool)(touch[k].wall == touch[k - 1].wall);
+  for (PetscInt k = 0; k < look.n && walls->move; k++)
+    if (walls->wall[touch[k].wall].motion.any) touch[k].v = WallVelocity(walls, touch[k].wall);
   return look.n;
 }
 
@@ -438,17 +526,38 @@ static PetscBool InPolygon(const Wall *wall, Vector2 x) {
   return in;
 }
 
+/* A place as a wall has it that is where it is given. */
+static Vector2 AsGiven(const Walls *walls, PetscInt wall, const PetscReal x[3]) {
+  const Vector2 rests = {0, 0};
+
+  return Minus2(From2(x),
+                walls->wall[wall].motion.any ? WallShift(walls, wall, walls->time) : rests);
+}
+
 /* WallsBehind - the polygon behind whose surface a place is, however deep: its number; -1: none.
    (Of the other walls the gap tells.) */
 PetscInt WallsBehind(const Walls *walls, const PetscReal x[3]) {
   for (PetscInt w = 0; w < walls->n; w++)
     if (walls->wall[w].kind == WALL_POLYGON &&
-        InPolygon(&walls->wall[w], From2(x)) != walls->wall[w].inside)
+        InPolygon(&walls->wall[w], AsGiven(walls, w, x)) != walls->wall[w].inside)
       return w;
   return -1;
 }
 
-/* How far a place is from the axis of a conduit. */
+/* WallGapShifted - the gap of a point of the rod to one wall that is displaced by so much, in the
+   clamp's frame. */
+PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const PetscReal x[3],
+                         PetscReal radius) {
+  const Wall *self = &walls->wall[wall];
+  Look look = {.walls = walls, .x = x, .at = From2(x), .radius = radius, .nearest = everywhere};
+
+  if (self->kind == WALL_POLYGON && InPolygon(self, Minus2(look.at, shift)) != self->inside)
+    return -radius;
+  LookAtShifted(&look, wall, shift);
+  return look.nearest;
+}
+
+/* How far a place is, where walls are given, from the axis of a conduit. */
 static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x) {
   const PetscReal at[] = {x.x, x.y};
   const Block place = BlockAt(2, at);
@@ -462,5 +571,6 @@ static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x) {
 PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[3]) {
   const Wall *self = &walls->wall[wall];
 
-  return (PetscBool)(self->kind != WALL_PATH || FromAxis(walls, wall, From2(x)) <= self->number[0]);
+  return (PetscBool)(self->kind != WALL_PATH ||
+                     FromAxis(walls, wall, AsGiven(walls, wall, x)) <= self->number[0]);
 }

@@ -388,15 +388,41 @@ static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
   PetscFunctionReturn(0);
 }
 
-/* Walls of the plane stand still. */
-static PetscErrorCode RefuseMotion(const Maker *self, WallKind kind, PetscInt n, char *word[]) {
+/* Walls of the plane are carried along in it; they do not turn. */
+static PetscErrorCode TakeMotion(const Maker *self, PetscInt *n, char *word[]) {
+  const WallKind kind = self->wall->kind;
+  SurfaceMotion *motion = &self->wall->motion;
+  PetscReal out;
+
   PetscFunctionBegin;
-  for (PetscInt k = 1; k < n; k++)
-    UserCheck(strcmp(word[k], "moves") && strcmp(word[k], "turns"), OptionsComm(),
-              "-wall_file %s, line %d: walls of the plane stand still, surfaces in space move; in "
-              "place of this %s give %s and then %s",
-              self->file, self->line, wall_kind[kind], wall_in_space[kind],
-              strcmp(word[k], "moves") ? "turns RATE X Y Z AX AY AZ" : "moves VX VY VZ");
+  PetscCall(MotionTake(self->file, self->line, n, word, motion));
+  UserCheck(
+      !motion->turn && motion->rate == 0, OptionsComm(),
+      "-wall_file %s, line %d: walls of the plane do not turn, surfaces in space do; in place "
+      "of this %s give %s and then turns RATE X Y Z AX AY AZ",
+      self->file, self->line, wall_kind[kind], wall_in_space[kind]);
+  out = motion->velocity[2];
+  for (PetscInt k = 0; motion->place[2] && k < ScheduleRows(motion->place[2]); k++) {
+    PetscReal t, x;
+    ScheduleGetRow(motion->place[2], k, &t, &x);
+    out = PetscMax(out, PetscAbsReal(x));
+  }
+  UserCheck(out == 0, OptionsComm(),
+            "-wall_file %s, line %d: moves: a wall of the plane stays in it; let x3 be 0, or in "
+            "place of this %s give %s",
+            self->file, self->line, wall_kind[kind], wall_in_space[kind]);
+  PetscFunctionReturn(0);
+}
+
+/* WallsRefuseSpace - beside a rod in space walls of the plane stand still. */
+PetscErrorCode WallsRefuseSpace(const Walls *walls) {
+  PetscFunctionBegin;
+  for (PetscInt w = 0; w < walls->n; w++)
+    UserCheck(!walls->wall[w].motion.any, OptionsComm(),
+              "-wall_file, line %d: beside a rod in space walls of the plane stand still, "
+              "surfaces in space move; in place of this %s give %s",
+              walls->wall[w].line, wall_kind[walls->wall[w].kind],
+              wall_in_space[walls->wall[w].kind]);
   PetscFunctionReturn(0);
 }
 
@@ -461,7 +487,8 @@ static PetscErrorCode ReadWall(Maker *self, PetscInt n, char *word[]) {
             "in space sphere, cylinder, cone, torus, tube and body",
             self->file, self->line, word[0]);
   wall->kind = (WallKind)kind;
-  PetscCall(RefuseMotion(self, wall->kind, n, word));
+  PetscCall(TakeFriction(self, &n, word));
+  PetscCall(TakeMotion(self, &n, word));
   PetscCall(TakeFriction(self, &n, word));
   PetscCall(TakeBend(self, &n, word));
   if (wall->bend > 0) PetscCall(TakeFriction(self, &n, word)); /* in either order */
@@ -610,10 +637,12 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
   OptionsAtLine(0);
   PetscCall(PetscFree(text));
   PetscCall(error);
+  walls->turn = self.turn;
   for (PetscInt w = 0; w < walls->n; w++)
     if (walls->wall[w].friction > 0) walls->rub = PETSC_TRUE;
   PetscCall(FindPosts(walls, radius));
   PetscCall(WallsIndex(walls));
+  walls->carried = walls->move;
   PetscCall(SurfacesIndex(surfaces));
   PetscFunctionReturn(0);
 }
@@ -623,6 +652,7 @@ PetscErrorCode WallsDestroy(Walls *walls) {
   for (PetscInt w = 0; w < walls->n; w++) {
     PetscCall(PetscFree(walls->wall[w].number));
     PetscCall(PetscFree(walls->wall[w].piece));
+    PetscCall(MotionDestroy(&walls->wall[w].motion));
   }
   PetscCall(WallsDropIndex(walls));
   PetscCall(PetscFree(walls->wall));
@@ -638,19 +668,23 @@ PetscErrorCode WallsText(const Walls *walls, char **text) {
   size_t room = 1, at = 0;
 
   PetscFunctionBegin;
-  for (PetscInt w = 0; w < walls->n; w++) room += WORDS + NUMBER * (size_t)walls->wall[w].numbers;
   PetscCall(PetscCalloc1(room, text));
   for (PetscInt w = 0; w < walls->n; w++) {
     const Wall *wall = &walls->wall[w];
     const char *side = wall->inside ? " inside" : " outside";
+    char *moves;
+    PetscCall(MotionText(&wall->motion, &moves));
+    room += WORDS + NUMBER * (size_t)wall->numbers + strlen(moves);
+    PetscCall(PetscRealloc(room, text));
     at += (size_t)snprintf(*text + at, room - at, "%s%s", wall_kind[wall->kind],
                            wall->kind == WALL_POLYGON ? side : "");
     for (PetscInt k = 0; k < wall->numbers; k++)
       at += (size_t)snprintf(*text + at, room - at, " %.17g", (double)wall->number[k]);
     if (wall->bend > 0)
       at += (size_t)snprintf(*text + at, room - at, " radius %.17g", (double)wall->bend);
-    at += (size_t)snprintf(*text + at, room - at, "%s friction %.17g\n",
-                           wall->kind == WALL_CIRCLE ? side : "", (double)wall->friction);
+    at += (size_t)snprintf(*text + at, room - at, "%s%s friction %.17g\n",
+                           wall->kind == WALL_CIRCLE ? side : "", moves, (double)wall->friction);
+    PetscCall(PetscFree(moves));
   }
   PetscFunctionReturn(0);
 }

@@ -1,5 +1,7 @@
-/* Walls: what stands around the rod, at rest. A wall is a plane, a circle, a polygon or a conduit;
-   each is made of pieces, lines and arcs, whose signed distance is smooth. */
+/* Walls: what stands around the rod, or is carried along. A wall is a plane, a circle, a polygon or
+   a conduit; each is made of pieces, lines and arcs, whose signed distance is smooth. All that is
+   kept of a wall that moves is where it is given; a place looks at it from as far as it has moved.
+ */
 #ifndef TENDRIL_WALLS_H
 #define TENDRIL_WALLS_H
 
@@ -38,8 +40,10 @@ typedef struct {
   PetscInt numbers;
   PetscReal *number; /* as given, in the laboratory; a path's first is its radius */
   PetscInt pieces;
-  WallPiece *piece; /* in the clamp's frame */
-  Blocks axis;      /* conduit: where its axis is, piece by piece */
+  WallPiece *piece;     /* in the clamp's frame */
+  Blocks axis;          /* conduit: where its axis is, piece by piece */
+  SurfaceMotion motion; /* it does not turn */
+  Blocks edges;         /* of a polygon that moves: where its pieces are */
 } Wall;
 
 /* What stands out of a wall and is round, of radius r, or sharp, r = 0: all of the circle is behind
@@ -58,13 +62,17 @@ typedef struct {
 typedef struct {
   PetscInt n;
   Wall *wall;
-  PetscBool rub;      /* any has friction */
-  PetscBool bare;     /* any, or a surface in space, does not say its own friction */
-  PetscReal smallest; /* of what the rod is outside of, the least radius; 0: there is none */
-  PetscInt posts;
+  PetscBool rub;           /* any has friction */
+  PetscBool bare;          /* any, or a surface in space, does not say its own friction */
+  PetscBool move;          /* any does */
+  PetscBool carried;       /* ... from the start, as its line says */
+  PetscReal time;          /* at which they are looked at */
+  Vector2 turn;            /* of the clamp: cosine and sine of its angle */
+  PetscReal smallest;      /* of what the rod is outside of, the least radius; 0: there is none */
+  PetscInt posts, resting; /* those of walls that move are behind the others */
   WallPost *post;
   /* so that a place need not look at all of them */
-  Blocks near_posts, near_parts; /* posts; pieces that end somewhere, but for conduits */
+  Blocks near_posts, near_parts; /* posts; pieces that end somewhere, but for conduits; at rest */
   WallPart *part, *open;         /* those pieces; the others, planes and circles from within */
   PetscInt parts, opens, conduits;
   Squares squares; /* of the parts, then of the axis of each conduit; NULL: there are few pieces */
@@ -74,7 +82,7 @@ typedef struct {
    curvature of the lines of equal distance, dn = bend t (t.dx), t across n. */
 typedef struct {
   PetscReal gap, bend;
-  Vector2 normal;
+  Vector2 normal, v; /* v: velocity of the wall */
   PetscInt wall, piece;
   PetscBool again; /* another piece of the wall before it */
 } WallTouch;
@@ -85,6 +93,20 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
                          PetscReal clamp_angle, Walls *walls, Surfaces *surfaces);
 PetscErrorCode WallsDestroy(Walls *walls);
 PetscErrorCode WallsText(const Walls *walls, char **text);
+PetscErrorCode WallsRefuseSpace(const Walls *walls);
+
+/* walls_move.c */
+PetscErrorCode WallsLeadTo(Walls *walls, PetscInt wall, PetscReal t, PetscReal by,
+                           const PetscReal x[3]);
+Vector2 WallsDisplacement(const Walls *walls, const PetscReal lab[3]);
+Vector2 WallShift(const Walls *walls, PetscInt wall, PetscReal t);
+Vector2 WallVelocity(const Walls *walls, PetscInt wall);
+Vector2 WallsCarried(const Walls *walls, PetscInt wall, PetscReal from);
+Vector2 WallsPostAt(const Walls *walls, PetscInt post);
+void WallsPostsNear(const Walls *walls, const Block *place, PetscReal reach, BlocksMeet meet,
+                    void *ctx);
+PetscBool WallsJerk(const Walls *walls, PetscReal t0, PetscReal t1);
+PetscReal WallsNextTurn(const Walls *walls, PetscReal t);
 
 /* touch.c */
 PetscErrorCode WallsIndex(Walls *walls);
@@ -99,6 +121,8 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, 
 PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[3], PetscReal radius,
                          PetscReal within);
 PetscReal WallsGap(const Walls *walls, const PetscReal x[3], PetscReal radius);
+PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const PetscReal x[3],
+                         PetscReal radius);
 PetscInt WallsBehind(const Walls *walls, const PetscReal x[3]);
 PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[3]);
 

@@ -233,6 +233,10 @@ PLAYED = {  # options; (behind so many steps, what, its new value, of which T is
                                                   "cylinder 30 10 0  0 0 1  0.3 outside friction 0.2"]),
                [(0, "clamp_spin", "0.3"), (15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -28.7 -9.55"),
                 (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
+    "walls": (dict(growth_type="feed", growth_initial_length=1, shape_amplitude=0.05, contact_diameter=0.1, ts_max_time=1, ts_rtol=3e-6,
+                   wall_file=["circle 0.6 -0.6 0.5 outside friction 0.2", "polygon outside 31 9 32 9 31 10", "path 0.6 -0.3 0 3 0 3 2 6 2"]),
+              [(15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -29.5 -10.1"), (90, "wall_to", "3 T0.3 0 0.1"),
+               (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
     "held": (dict(growth_type="none", growth_initial_length=1, shape_amplitude=0.5, tip_type="clamped", friction_mu=0.5, ts_max_time=1),
              [(20, "tip_to", "T0.3 0.8 0.2"), (40, "tip_to", "T0.2 0.7 0.1"), (60, "tip_turn_to", "T0.2 -0.5"), (90, "friction_mu", "0.2")]),
 }
@@ -288,7 +292,7 @@ class Played(unittest.TestCase):
                 self.assertEqual(within.series["t"][-1], 0.9)
 
     def test_what_it_does(self):
-        (fed, _), (stones, _), (held, _) = (self.play(options | dict(rod_cells=60), wanted) for options, wanted in PLAYED.values())
+        fed, stones, held = (self.play(PLAYED[name][0] | dict(rod_cells=60), PLAYED[name][1])[0] for name in ("fed", "stones", "held"))
         self.assertAlmostEqual(np.diff(fed.series["length"])[-1] / np.diff(fed.series["t"])[-1], -0.5, delta=1e-9)
         np.testing.assert_allclose(held.x[-1], [0.7, 0.1], atol=1e-9)
         self.assertAlmostEqual(held.theta[-1], -0.5, delta=1e-9)
@@ -311,6 +315,13 @@ class Played(unittest.TestCase):
                 table = os.path.join(directory, "changes.txt")
                 Path(table).write_text(text + "\n")
                 tendril.run(**options | dict(rod_cells=60), change_file=table)
+
+    def test_a_wall_of_the_plane_is_not_put_where_the_rod_is(self):
+        sim = tendril.Simulation(**PLAYED["walls"][0] | dict(rod_cells=60))
+        for value, line in (("1 0 0.4", "the rod is there"), ("2 -30.8 -9.3", "the rod is there"), ("1 0 0 1", "out of the plane"), ("3 0 5", "the rod is there")):
+            with self.subTest(value), self.assertRaisesRegex(tendril.RunError, line):
+                sim.set("wall_at", value)
+        sim.set("wall_at", "3 0 0.1")
 
     def test_a_surface_is_not_put_where_the_rod_is_in_whatever_units(self):
         with tempfile.TemporaryDirectory() as directory:

@@ -65,3 +65,14 @@ function shapeAt(run, t) {
   return shape;
 }
 
+// Where what moves as given in time is then (courses.py): by polynomials between knots, evenly beyond them.
+function along({ knots, pieces, ends }, t) {
+  const last = knots.length - 1, within = Math.min(Math.max(t, knots[0]), knots[last]);
+  let k = 0;
+  while (k < last - 1 && knots[k + 1] <= within) k++;
+  return ends[t > within ? 1 : 0].map((rate, d) =>
+    pieces[k].reduce((sum, coefficient) => sum * (within - knots[k]) + coefficient[d], 0) + rate * (t - within));
+}
+
+// How far what moves has been carried along at a time.
+const shiftOf = (motion, t) => (motion.shift ? along(motion.shift, t) : motion.moves.map((v) => v * t));

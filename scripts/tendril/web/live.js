@@ -306,13 +306,19 @@ function mount(root, connection) {
   const feed = (speed) => has("feed_speed") && send("set", { name: "feed_speed", value: speed });
   const spin = (rate) => has("clamp_spin") && send("set", { name: "clamp_spin", value: rate });
 
+  const putStone = () => {
+    if (!S.scene.posts) return;
+    S.putting = true;
+    say("click where the stone is to stand");
+  };
+
   function keysAndButtons() {
     const button = (text, title, onclick) => make("button", { type: "button", textContent: text, title, onclick });
     const tools = make("div", { className: "l-tools" });
     if (has("feed_speed")) tools.append(button("◀ pull back", "left", () => feed(-1)), button("■ hold", "down", () => feed(0)), button("▶ feed", "right", () => feed(1)));
     if (has("clamp_spin")) tools.append(button("↺ twist", "q", () => spin(-1)), button("untwist ↻", "e", () => spin(1)), button("no twist", "w", () => spin(0)));
     if (S.scene.pulls) tools.append(button("let the tip go", "x", letGo));
-    if (S.scene.posts) tools.append(button("put a post", "p", () => { S.putting = true; say("click where the post is to stand"); }));
+    if (S.scene.posts) tools.append(button("put a stone", "p", putStone));
     const words = [["space", "run, pause"], [".", "step"], ["z", "undo"]];
     if (has("feed_speed")) words.push(["← ↓ →", "pull back, hold, feed"]);
     if (has("clamp_spin")) words.push(["q w e", "twist"]);
@@ -327,7 +333,7 @@ function mount(root, connection) {
     if (!page || !page.run || ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName) && event.target.type !== "range") return;
     if (!root.isConnected || event.ctrlKey || event.metaKey || event.altKey) return;
     const act = { " ": () => send(S.running ? "pause" : "run"), ".": () => send("step"), z: () => send("undo"), ArrowRight: () => feed(1), ArrowLeft: () => feed(-1),
-      ArrowDown: () => feed(0), q: () => spin(-1), e: () => spin(1), w: () => spin(0), x: letGo,
+      ArrowDown: () => feed(0), q: () => spin(-1), e: () => spin(1), w: () => spin(0), x: letGo, p: putStone,
       "+": () => pace(2), "-": () => pace(0.5) }[event.key];
     if (!act || event.key === " " && ["BUTTON", "SUMMARY"].includes(event.target.tagName)) return;
     event.preventDefault();
@@ -348,8 +354,8 @@ function mount(root, connection) {
         const shift = S.walls[wall.line] || [0, 0, 0];
         if (wall.circle) {
           const [x, y] = stage.place(wall.circle[0] + shift[0], wall.circle[1] + shift[1], (wall.height || 0) + shift[2]);
-          const off = Math.max(0, Math.hypot(px - x, py - y) - wall.circle[2] * stage.scale);
-          if (!wall.inside && off < near) [best, near] = [wall, off];
+          const past = Math.hypot(px - x, py - y) - wall.circle[2] * stage.scale, off = wall.inside ? Math.abs(past) : Math.max(0, past);
+          if (off < (wall.inside ? Math.min(near, 10) : near)) [best, near] = [wall, off];
         } else for (const line of wall.lines || [])
           for (let i = 0; i + 3 < line.length; i += 2) {
             const a = stage.place(line[i] + shift[0], line[i + 1] + shift[1], 0), b = stage.place(line[i + 2] + shift[0], line[i + 3] + shift[1], 0);
@@ -526,7 +532,8 @@ function mount(root, connection) {
     page = { fields: {} };
     const title = document.getElementById("title");
     if (title) title.textContent = "tendril live";
-    const cards = m.gallery.map((one) => make("button", { type: "button", className: "l-card", onclick: () => send("start", { scene: one.name }) },
+    const posts = make("select", { "aria-label": "stones to put" }, ...[0, 1, 3, 5, 10].map((n) => make("option", { value: n, textContent: n })));
+    const cards = m.gallery.map((one) => make("button", { type: "button", className: "l-card", onclick: () => send("start", { scene: one.name, posts: +posts.value }) },
       ...(one.picture && connection.picture ? [make("img", { src: connection.picture(one.name), alt: `${one.name}: ${one.text}`, loading: "lazy" })] : []),
       make("b", { textContent: one.name }), make("small", { textContent: one.text })));
     const form = {}, walls = make("textarea", { className: "l-walls", value: m.form.walls, spellcheck: false, "aria-label": "walls" });
@@ -566,12 +573,12 @@ function mount(root, connection) {
     walls.ondragover = (e) => { e.preventDefault(); walls.classList.add("l-over"); };
     walls.ondragleave = () => walls.classList.remove("l-over");
     walls.ondrop = (e) => { e.preventDefault(); walls.classList.remove("l-over"); take(e.dataTransfer.files[0]); };
-    const go = make("button", { type: "button", className: "l-main", textContent: "run it", onclick: () => send("start", { form: gather() }) });
+    const go = make("button", { type: "button", className: "l-main", textContent: "run it", onclick: () => send("start", { form: gather(), posts: +posts.value }) });
     root.replaceChildren(make("div", {}, make("h2", { textContent: "A scene of one's own" }),
       make("div", { className: "l-form" }, make("div", {}, ...fields), make("div", {}, page.drawn, page.words, make("b", { textContent: "walls" }),
         make("small", { textContent: " one a line, or drop a file here; circle X Y R outside, plane X Y NX NY, path R X Y X Y, polygon" }), walls, why,
         make("input", { type: "file", "aria-label": "a wall file", onchange: (e) => take(e.target.files[0]) }), page.trouble, make("div", { className: "l-bar" }, go))),
-      make("h2", { textContent: "or one of the gallery" }), make("div", { className: "l-gallery" }, ...cards)));
+      make("label", {}, "stones to be put somewhere in the run, beside those above or of the scene: ", posts), make("h2", { textContent: "or one of the gallery" }), make("div", { className: "l-gallery" }, ...cards)));
     changed();
   }
 

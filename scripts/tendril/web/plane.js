@@ -51,14 +51,16 @@ function polyline(u, points, f) {
 }
 
 function drawWalls(u, run, f) {
+  const t = state.t / factor(run, "l/V");
   u.ctx.fillStyle = "#e8e4da";
   u.ctx.strokeStyle = "#8a8371";
   u.ctx.lineWidth = devicePixelRatio;
   for (const wall of run.walls) {
     u.ctx.beginPath();
-    for (const ring of wall.body) trace(u, ring, f);
+    const [dx, dy] = wall.motion ? shiftOf(wall.motion, t) : [0, 0], there = (line) => (wall.motion ? line.map((x, i) => x + (i % 2 ? dy : dx)) : line);
+    for (const ring of wall.body) trace(u, there(ring), f);
     u.ctx.fill("evenodd");
-    for (const line of wall.lines) polyline(u, line, f);
+    for (const line of wall.lines) polyline(u, there(line), f);
   }
 }
 

@@ -400,21 +400,12 @@ function drawSurface(run, { positions, index, lines }, group) {
   stage.painter.surface(scaled(positions, f), index, "#cfc6ae", 0.28, lines.map((line) => scaled(line, f)), group);
 }
 
-// Where what moves as given in time is then (courses.py): by polynomials between knots, evenly beyond them.
-function along({ knots, pieces, ends }, t) {
-  const last = knots.length - 1, within = Math.min(Math.max(t, knots[0]), knots[last]);
-  let k = 0;
-  while (k < last - 1 && knots[k + 1] <= within) k++;
-  return ends[t > within ? 1 : 0].map((rate, d) =>
-    pieces[k].reduce((sum, coefficient) => sum * (within - knots[k]) + coefficient[d], 0) + rate * (t - within));
-}
-
 // A surface that moves, where it is at a time; what has no end is laid under the rod anew (solids.py).
 function carried(surface, t) {
-  const { moves = [0, 0, 0], turns: [rate, ...place] = [0, 0, 0, 0, 0, 0, 1], endless = [], middle = [0, 0, 0] } = surface.motion;
-  const { shift, angle } = surface.motion, turn = angle ? along(angle, t)[0] : rate * t;
+  const { turns: [rate, ...place] = [0, 0, 0, 0, 0, 0, 1], endless = [], middle = [0, 0, 0] } = surface.motion;
+  const { angle } = surface.motion, turn = angle ? along(angle, t)[0] : rate * t;
   const about = V(...place.slice(0, 3)), axle = V(...place.slice(3));
-  const to = about.clone().add(shift ? V(...along(shift, t)) : V(...moves).multiplyScalar(t));
+  const to = about.clone().add(V(...shiftOf({ moves: [0, 0, 0], ...surface.motion }, t)));
   const under = V(...middle).sub(to).applyAxisAngle(axle, -turn).add(about).sub(V(...middle)), laid = V(0, 0, 0);
   for (const d of endless) laid.addScaledVector(V(...d), under.dot(V(...d)));
   const moved = (points) => {

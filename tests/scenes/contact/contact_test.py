@@ -1310,5 +1310,49 @@ def stop_contact_ends_the_run_at_the_first_touch():
            f"{r['series/t'][-1]}")
 
 
+@check
+def walls_of_the_plane_that_move_are_surfaces_that_do():
+    """Circle, plane, conduit and polygon that are carried along: a rod in the plane feels them as one in space feels their likes,
+    in whatever frame; their work is in the balance; steps meet their rows; a thin post takes the rod along, however fast."""
+    fed = "-growth_type feed -growth_initial_length 1 -shape_amplitude 0.05 -rod_cells 60 -ts_max_time 2 -contact_diameter 0.1 -ts_rtol 1e-6 "
+    course = "moves at 0 0 0 0  0.5 0 0 0  1 -0.1 0.35 0  1.7 -0.1 0.1 0 friction 0.3"
+
+    def tip_of(r):
+        return np.array([r.tip_x1[-1], r.tip_x2[-1]])
+
+    one = Run(fed + walls(f"circle 1.6 -0.75 0.4 outside {course}", "plane 0 -0.6 0 1 moves 0 0.05 0 friction 0.2"))
+    other = Run(fed + walls(f"cylinder 1.6 -0.75 0 0 0 1 0.4 outside {course}", "plane 0 -0.6 0 0 1 0 moves 0 0.05 0 friction 0.2"))
+    off, power = np.abs(tip_of(one) - tip_of(other)).max(), one.series["wall_power"].max()
+    print(f"circle, plane: {one.steps} steps, tips differ by {off:.1e}, power {power:.3f}, {other.series['wall_power'].max():.3f}")
+    expect(off < 1e-5 and power > 0.1 and abs(power / other.series["wall_power"].max() - 1) < 1e-2, f"{off}, {power}")
+    expect(np.isin((0.5, 1, 1.7), one.t).all() and one.energy_defect[one.t > 0.1].max() < 1e-5, "rows, or the balance")
+    turn, (c, s) = "-clamp_angle 30deg ", (np.cos(np.pi / 6), np.sin(np.pi / 6))
+
+    def place(x, y):
+        return f"{c * x - s * y:.15g} {s * x + c * y:.15g}"
+
+    def course_of(*rows):
+        return "moves at " + "  ".join(f"{t} {place(x, y)} 0" for t, x, y in rows)
+
+    rows = (0, 0, 0), (0.6, 0, 0), (1, 0.1, 0.45), (1.6, 0, 0)  # along one line: rows of each axis are led on by themselves
+    corners = ((1.2, -1.2), (2, -1.2), (1.6, -0.35))
+    tips = []
+    for x in (lambda a, b: f"{a} {b}", place):
+        led = "moves at " + "  ".join(f"{t} {x(a, b)} 0" for t, a, b in rows)
+        r = Run(fed + (turn if x is place else "") + walls(
+            f"polygon outside {' '.join(x(*p) for p in corners)} {led} friction 0.3",
+            f"path 0.5 {x(-0.5, 0)} {x(3.5, 0)} {x(3.5, 4)} moves at 0 {x(0, 0)} 0  1 {x(0, 0.2)} 0  2 {x(0, -0.2)} 0"))
+        expect(r.series["wall_power"].max() > 0.1 and r.energy_defect[r.t > 0.1].max() < 1e-5, f"polygon, path: {r.energy_defect.max()}")
+        tips.append(tip_of(r) @ ([[1, 0], [0, 1]] if x is not place else [[c, -s], [s, c]]))
+    print(f"polygon, path, turned: {np.abs(tips[0] - tips[1]).max():.1e}")
+    expect(np.abs(tips[0] - tips[1]).max() < 1e-8, f"turned: {tips}")
+    # from below in a moment, and up beyond the rod: it has taken that along, or would be above it
+    r = Run(fed.replace("-ts_max_time 2", "-ts_max_time 0.6") + walls("circle 0.9 -0.4 0.05 outside moves at 0 0 0 0  0.3 0 0 0  0.301 0 0.8 0"))
+    at = r.shapes["x"][-1]
+    height = np.interp(0.9, at[:, 0], at[:, 1])
+    print(f"a thin post in a moment: {r.steps} steps, the rod is at {height:.3f} above it")
+    expect(height > 0.4 + 0.05 + 0.049, f"the post has gone through: {height}")
+
+
 if __name__ == "__main__":
     sys.exit(scene.main())
