@@ -320,16 +320,7 @@ PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
   makes it a quarter of that. The margin covers quadrature and keeps the shift regular.
 */
 PetscErrorCode PencilBound(Pencil self, PetscReal *bound) {
-  const PetscReal rests = 1e-6;
-  char text[64];
-
   PetscFunctionBegin;
-  UserCheck(
-      self->drag_min > 0 || self->growth->fastest == 0 || self->scene->load.friction.mu == 0,
-      self->scene->comm,
-      "-friction_beta: a rod that is fed by -growth_path rests at t = %s; for its eigenvalues "
-      "take %g at least",
-      OptionBoth(self->time, UNIT_TIME, text), (double)rests);
   UserCheck(
       self->drag_min > 0, self->scene->comm,
       "-friction_field or -friction_mu: there is a place without friction across the rod at t "

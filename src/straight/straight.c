@@ -10,6 +10,12 @@ PetscBool StraightScales(Scene scene) {
                      scene->tip.type == TIP_FREE && !StraightIsTwisted(scene));
 }
 
+/* The speed at which the rod feels friction: where it rests, exact friction holds it against
+   deflections, as friction next to exact does. */
+static PetscReal Seen(const Load *load, PetscReal V) {
+  return load->friction.beta > 0 ? V : PetscMax(PetscAbsReal(V), PetscSqrtReal(friction_tiny));
+}
+
 /*
   StraightAt - the straight rod at one label.
 
@@ -26,7 +32,7 @@ PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion 
   motion->V = GrowthSpeed(scene->growth, s, t, motion->p_t);
   x[0] = motion->p;
   motion->N = scene->load.moves ? LoadFactor(&scene->load, x, t, slope) : 1;
-  motion->drag = LoadAxialDrag(&scene->load, motion->V) * motion->N;
+  motion->drag = LoadAxialDrag(&scene->load, Seen(&scene->load, motion->V)) * motion->N;
   PetscFunctionReturn(0);
 }
 
