@@ -222,11 +222,11 @@ class Sweep:
             first, count = (self.place(self.series, n, k) for n in OF_A_MEMBER[:2])
             return self.rows(self.series, name, first, count)
 
-        def followed(name):
-            """Errors are followed in the models frame and space alone."""
-            return not (name.startswith("error_") and name in self.final and np.isnan(self.final[name][k]))
+        def has(name):
+            """Errors are followed in the models frame and space alone; and series that another run has may be none of this one."""
+            return not (name in self.final and np.isnan(self.final[name][k]))
 
-        return Lazy((n for n in self.series if n not in OF_A_MEMBER and followed(n)), read)
+        return Lazy((n for n in self.series if n not in OF_A_MEMBER and has(n)), read)
 
     def part_of_shapes(self, k):
         """The shapes of run k: views of those of all."""
@@ -265,8 +265,8 @@ class Sweep:
         stand along `member`."""
         import xarray
 
-        ends = self.ends(si)
-        if not ends or all(np.isnan(values).all() for values, _ in ends.values()):
+        ends = {name: found for name, found in self.ends(si).items() if not np.isnan(found[0]).all()}  # what any of them has
+        if not ends:
             failed = self.failed
             raise TendrilError(f"no run of this sweep came to its end: {failed[0][1] if failed else 'none'}")
         names = tuple(self.over) or ("member",)

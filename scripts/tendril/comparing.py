@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +15,11 @@ from scipy.spatial.distance import cdist
 from .measured import Curve, DataError, Measured, Photograph
 from .naming import unknown
 from .noise import Block
-from .results import Results
+from .results import Results, as_text
 from .units import PIXEL, in_laboratory
 
 FINER = 4  # points between nodes, so that the line is as good as the nodes are
+ANGLES = ("tip_angle", "base_angle")  # series that are read off shapes: of places behind the tip
 LINES = "lines"  # the group of all points of centre lines; series are groups by their names
 ENDS = "ends"  # of how far a rod goes on beyond its points
 BARE = "bare"  # of places on the rod near which there are no points
@@ -64,6 +66,18 @@ def shape_at(r: Results, t):
     near = times[first:first + 4]
     weights = [np.prod([(t - b) / (a - b) for b in near if b != a]) for a in near]
     return np.tensordot(weights, r.shapes.x[first:first + 4], 1)
+
+
+def angles_behind(r: Results, distance):
+    """[times of the shapes], the rod's angle so far behind its tip, as the run counts lengths: at the label s where the arc
+    length p = int_0^s g ds is L - distance. Of a shorter rod that at the clamp."""
+    if distance == 0:
+        return r.shapes.theta[:, -1]
+    s, found = r.shapes.s, []
+    for theta, g in zip(r.shapes.theta, r.shapes.stretch):
+        p = CubicSpline(s, g).antiderivative()(s)
+        found.append(CubicSpline(p, theta)(max(p[-1] - distance, 0.0)))
+    return np.array(found)
 
 
 def finer(x):
@@ -206,6 +220,7 @@ class Comparison:
         pixels = [p.points.numbers for p in measured.photographs if p.points.unit == PIXEL]
         self.camera = Camera(float(np.ptp(np.vstack(pixels), axis=0).max())) if pixels else None
         self.timeless = [p for p in measured.photographs if p.abscissa is None]
+        self.read_off = None, {}  # a run, and its angles so far behind the tip
         self.groups: list[str] = []  # of each residual
         self.spacings = {id(p): spacing(p.points.numbers) for p in measured.photographs}
         self.gaps = {id(p): 0.75 * widest_gap(p.points.numbers) + 2 * self.spacings[id(p)]
@@ -290,8 +305,29 @@ class Comparison:
                 (np.append(place, place[-1]), np.vstack([normal[:-1], across, end]),
                  np.append(near.other[:-1], [np.inf, np.inf])))
 
+    def angle(self, r, c: Curve, view=VIEW):
+        """[m], an angle of a run where it was measured, in a picture that is turned."""
+        if c.behind:
+            distance = float(c.behind.numbers) / r.scale("length")
+        elif c.name == "tip_angle":
+            distance = 0.0
+        elif as_text(r.attributes.get("parameters/growth_type", "")) == "apical":
+            distance = float(r.attributes["parameters/growth_zone"])
+        else:
+            raise DataError(f"{c.source}: {c.name}: this scene has no growth zone, at whose base it would be; write how far behind "
+                            "the tip it was measured, base angle at 0.6 mm (deg)")
+        of, known = self.read_off
+        if of is not r:  # several organs, or several columns, may be measured at one place
+            of, known = self.read_off = r, {}
+        if distance not in known:
+            known[distance] = CubicSpline(r.shapes.t, angles_behind(r, distance))
+        t = np.clip(time_of(r, c.abscissa, c.at, view), 0, r.shapes.t[-1])
+        return known[distance](t) + view["camera_turn"]
+
     def model(self, r, c: Curve, view=VIEW):
         """[m], a series of a run where it was measured, in the unit of the measurement."""
+        if c.name in ANGLES:
+            return self.angle(r, c, view)
         if c.name not in r.series:
             raise DataError(f"{c.source}: {c.name} is no series{unknown(c.name, r.series)}")
         unit = r.units[f"series/{c.name}"]
@@ -317,10 +353,11 @@ class Comparison:
             self.blocks.append(Block(LINES, add(LINES, off), place, normal, other))
             add(ENDS, end)
             add(BARE, uncovered)
+        organs = Counter(c.name for c in self.measured.curves)
         for c in self.measured.curves:
-            rows = add(c.name, c.values.numbers - self.model(r, c, view))
-            self.blocks.append(Block(c.name, rows, c.at.numbers, None,
-                                     np.full(len(rows), np.inf)))
+            rows, angles = add(c.name, c.values.numbers - self.model(r, c, view)), c.name in ANGLES
+            self.blocks.append(Block(c.name, rows, c.at.numbers, None, np.full(len(rows), np.inf), angles,
+                                     angles and organs[c.name] > 1))
         return np.concatenate(values)
 
     def find_hidden(self, r: Results, own, view=VIEW):

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
-from .comparing import BARE, ENDS, LINES, VIEW
+from .comparing import ANGLES, BARE, ENDS, LINES, VIEW
 from .errors import RunError, TendrilError
 from .found import Found
 from .laws import Law, effects_of, laws_of, with_law
@@ -55,7 +55,7 @@ class Cause:
 
     words: str  # with {camera_turn} and the like
     looked_for: tuple[str, ...] = ()
-    change: tuple[str, float] | None = None  # of the data, as changed() knows it
+    change: tuple[str, float | tuple] | None = None  # of the data, as changed() knows it
     law: Law | None = None  # nothing is wrong with the data: the scene leaves it out
 
     @property
@@ -188,9 +188,16 @@ def applies(fit: Found, cause: Cause):
     names = {p.name for p in problem.parameters}
     if names & set(cause.looked_for):
         return False
+    if cause.looked_for == ("camera_turn",) and angles_of(problem.measured):
+        return problem.comparison.camera is None
     if any(name.startswith("camera") for name in cause.looked_for):
         return bool(problem.measured.photographs) and problem.comparison.camera is None
     return bool(problem.measured.abscissae("t"))
+
+
+def angles_of(measured: Measured):
+    """The series that are angles of a tip or a base."""
+    return [c for c in measured.curves if c.name in ANGLES]
 
 
 def effect_on_view(fit: Found, cause: Cause):
@@ -264,6 +271,10 @@ def changed(measured: Measured, change) -> Measured:
     if kind == "time":
         return Measured(*([replace(one, at=Values(one.at.numbers * factor, "l/V")) if bare_time(one) else one for one in some]
                           for some in (measured.photographs, measured.curves)))
+    if kind == "angles":
+        times, plus = factor
+        return Measured(measured.photographs, [replace(c, values=replace(c.values, numbers=times * c.values.numbers + plus))
+                                               if c.name in ANGLES else c for c in measured.curves])
     if kind == "metre":
         return Measured([replace(p, points=Values(p.points.numbers * factor, "l")) for p in measured.photographs],
                         measured.curves)
@@ -279,13 +290,15 @@ def tried(fit: Found, cause: Cause):
     explains nothing)"""
     old = fit.problem
     if cause.law:
-        more, start = [cause.law.parameter], [cause.law.begin]
+        more, starts = [cause.law.parameter], [[begin] for begin in cause.law.begins]
         new = with_law(fit, cause.law, old.settings)  # what it changes may be little: not by the search's coarse runs
     else:
         more = [wide(fit, name) for name in cause.looked_for]
-        start = [p.inside(VIEW[p.name]) for p in more]
+        starts = [[p.inside(VIEW[p.name]) for p in more]]
         new = old.like(old.search_settings, old.search_known, changed(old.measured, cause.change) if cause.change else None, more)
     points = [fit.u[:len(old.parameters)]]
+    if cause.law and cause.law.usual:  # what was found without it may be far from what it is with it
+        points += [np.full(len(old.parameters), 0.5)]
     if cause.change and cause.of_time:  # nothing that was run is of use
         new.prepare(points[0], COARSE)
         points += starting_points(new, 8, 1)
@@ -294,12 +307,9 @@ def tried(fit: Found, cause: Cause):
         new.known = {}
     elif cause.change:  # from all points that were ever run, as the data now look
         points += list(old.search_points.values())
-    new.run([np.r_[u, start] for u in points])
-    whole = []
-    for u in points:
-        (r,) = new.run([np.r_[u, start]])
-        if not isinstance(r, RunError):
-            whole.append(np.r_[u, start, new.comparison.guess(r, fit.u[len(old.parameters):])])
+    points = [np.r_[u, start] for u in points for start in starts]
+    whole = [np.r_[u, new.comparison.guess(r, fit.u[len(old.parameters):])] for u, r in zip(points, new.run(points))
+             if not isinstance(r, RunError)]
     if not whole:
         return 1.0, new, None
     new.measure_noise(whole[0], share=0.03)
@@ -355,6 +365,16 @@ def discrete():
             Cause("x1 has the wrong sign: it must grow away from the clamp", change=("back", 0)),
             *(Cause(f"the coordinates are {text} times too {'large' if factor < 1 else 'small'}: another unit",
                     change=("unit", factor)) for factor, text in FACTORS.items())]
+
+
+def of_angles():
+    """The same of angles: how they may count otherwise than the scene."""
+    quarter, degree = np.pi / 2, np.pi / 180
+    return [Cause("the angles have the other sign: the scene's grow from x1 towards x2", change=("angles", (-1.0, 0.0))),
+            Cause("the angles count from x2, not from x1: write 90 less the angle", change=("angles", (-1.0, quarter))),
+            Cause("the angles count from -x2, not from x1: write the angle less 90", change=("angles", (1.0, -quarter))),
+            Cause("the angles are in degrees, and their heading says radians", change=("angles", (degree, 0.0))),
+            Cause("the angles are in radians, and their heading says degrees", change=("angles", (1 / degree, 0.0)))]
 
 
 def promising(fit: Found, causes, most=2):
@@ -464,14 +484,16 @@ def likeliest(fit: Found, bad, tell):
     """The cause that takes most of the residuals away, in words, or what was tried in vain."""
     possible = [(linear_sign(fit, effect_on_view(fit, cause)), cause) for cause in CAUSES if applies(fit, cause)]
     signs = [pair for pair in possible if bad or (pair[0].chance < SURE and pair[0].moved > SEEN)]
-    laws = sorted(wanted_laws(fit, bad), key=lambda pair: -pair[0].statistic)[:LAWS]
+    laws = sorted(wanted_laws(fit, bad), key=lambda pair: -pair[0].statistic)
+    laws = [pair for k, pair in enumerate(laws) if k < LAWS or bad and pair[1].law.usual]
     if not (bad or signs or laws):
         return []
     signs.sort(key=lambda pair: -pair[0].statistic)
     causes = [cause for _, cause in signs[:None if bad else 3] + laws]
     units = unitless(fit.problem.measured, fit.run.attributes) if bad else []
-    if bad and fit.problem.measured.photographs and not fit.problem.comparison.camera:
-        causes += promising(fit, [c for c in [*discrete(), *units] if not c.of_time])
+    if bad and not fit.problem.comparison.camera:
+        changes = (discrete() if fit.problem.measured.photographs else []) + (of_angles() if angles_of(fit.problem.measured) else [])
+        causes += promising(fit, [c for c in [*changes, *units] if not c.of_time])
     causes = [c for c in units if c.of_time] + causes
     fit.problem.expect(TRIAL * (len(causes) + bad))
     if bad and fit.problem.measured.photographs:
@@ -527,7 +549,8 @@ def warnings_of(fit: Found, agreed, tell) -> list[str]:
         words.append(f"a bad fit: {100 * part:.0f} % of the rods of the best scene are where there are no points.")
     fewer, seen, expected = runs_along(fit)
     if fewer > stats.norm.isf(SURE):
-        words.append(f"residuals come in runs of one sign along the rod ({seen}, by chance {expected:.0f}): "
+        along = "along the rod" if fit.problem.measured.photographs else "over time"
+        words.append(f"residuals come in runs of one sign {along} ({seen}, by chance {expected:.0f}): "
                      "neighbouring points err alike, which the intervals allow for, or the scene lacks something.")
     side = same_side(fit)
     if side and side[0] < 1e-2 and not bad:

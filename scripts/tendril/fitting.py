@@ -35,6 +35,7 @@ from .measured import gather
 from .noise import Certainty, certainty
 from .parameters import Parameter, Prior
 from .problem import Problem, Solution
+from .profiles import followed_out
 from .starting import starting_points
 from .units import PIXEL
 
@@ -222,8 +223,22 @@ def less_likely(errors, raw, errors_before, raw_before):
     return errors.log_likelihood(raw, both) < errors_before.log_likelihood(raw_before, both)
 
 
-def certain(problem: Problem, best: Solution, tell, most=3):
-    """(the least cost, what is known of it): as long as a run on a principal axis is better than the best,
+def certain(problem: Problem, best: Solution, tell):
+    """(the least cost, what is known of it); where the linearised problem tells next to nothing, by the cost itself."""
+    best, known, rises = settled(problem, best, tell)
+    ends = followed_out(problem, best, known, rises, tell)
+    if not ends:
+        return best, known
+    half = known.reach * np.sqrt(np.diag(known.covariance))
+    part = np.ones(len(half))
+    for k, (low, high) in ends.items():
+        if 0 < low and high < 1:  # else nothing shows how far it would go on
+            part[k] = min(1.0, 0.5 * (high - low) / half[k])
+    return best, Certainty(known.covariance * np.outer(part, part), known.reach, ends)
+
+
+def settled(problem: Problem, best: Solution, tell, most=3):
+    """(the least cost, what is known of it, by how much the cost rises to the ends of intervals): as long as a run on a principal axis is better than the best,
     the search goes on from there; and back, if all in all, with the errors that are then estimated, that is less likely:
     errors that reach far let a search slide along a valley."""
     before = None
@@ -232,24 +247,25 @@ def certain(problem: Problem, best: Solution, tell, most=3):
         raw = problem.measure_errors(best.u, jacobian)
         if before and less_likely(problem.errors, raw, *before[2:4]):
             tell("that is less likely all in all; back")
-            best, known, problem.errors, _, problem.noise = before
-            return best, known
-        best = Solution(best.u, problem.cost(problem.errors.whitened(raw)))
+            best, known, problem.errors, _, problem.noise, rises = before
+            return best, known, rises
+        best = Solution(best.u, problem.cost(problem.errors.whitened(raw, search=True)))
         known = certainty(problem.errors, raw, jacobian, problem.prior_information(len(best.u)),
                           problem.told_noise, CONFIDENCE)
         plain = np.linalg.pinv(problem.prior_information(len(best.u)) + (lambda w: w.T @ w)(
-            problem.errors.whitened(jacobian)), hermitian=True)
+            problem.errors.whitened(jacobian, search=True)), hermitian=True)
+        rises = 0.5 * known.reach**2 * np.diag(known.covariance) / np.maximum(np.diag(plain), 1e-300)
         wide, other, cost = widened(problem, best.u, plain, best.cost)
         # what the errors leave open, and what is curved, both widen
         larger = np.sqrt(np.maximum(np.diag(wide) / np.maximum(np.diag(plain), 1e-300), 1))
         known = Certainty(known.covariance * np.outer(larger, larger), known.reach)
         if cost > best.cost - BETTER or last == most - 1:
             break
-        before = best, known, problem.errors, raw, problem.noise
+        before = best, known, problem.errors, raw, problem.noise, rises
         problem.expect(2 * runs_of_stages(problem)[2])
         best = problem.solve(other, 1e-4)
         tell(f"a better one beside it, {problem.count} runs")
-    return best, known
+    return best, known, rises
 
 
 def polished(problem: Problem, best: Solution, accuracy, tell, finer=True):
@@ -348,6 +364,9 @@ def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, job
             raise TendrilError(f"prior of {k.name}: its bounds are in {p.unit or 'no unit'}; give it so, too")
     measured = gather(data, unit, y_down, fps)
     check_bent(measured, looked_for, options)
+    if (count := measured.count() + len(known)) <= len(looked_for):
+        raise TendrilError(f"fit: {len(looked_for)} parameters from {count} numbers that were measured: nothing would be left over to "
+                           "tell how they err; look for fewer, or measure more")
     return Problem(scene, measured, looked_for, options, jobs, priors=known, tied=tied,
                    noise=measured.told(noise))
 
@@ -413,7 +432,7 @@ def finished(problem: Problem, best: Solution, known: Certainty, costs, begin, i
         except KeyboardInterrupt:  # of all that was found nothing is missing but this run
             interrupted, r = True, problem.first(best.u[:len(problem.parameters)], problem.settings)
         found = Fit(problem, best.u, known.covariance, known.reach, r, best.cost, costs, 0.0,
-                    interrupted=interrupted)
+                    interrupted=interrupted, ends=known.ends)
         found.indistinct = indistinct(found)
         found.warnings = [] if interrupted else doubted(found, agreed, tell)
     finally:
@@ -439,6 +458,6 @@ def rough(problem: Problem):
     problem.measure_noise(best.u)
     jacobian = problem.raw_jacobian(best.u)
     raw = problem.measure_errors(best.u, jacobian)
-    best.cost = problem.cost(problem.errors.whitened(raw))
+    best.cost = problem.cost(problem.errors.whitened(raw, search=True))
     return best, certainty(problem.errors, raw, jacobian, problem.prior_information(len(best.u)),
                            problem.told_noise, CONFIDENCE)

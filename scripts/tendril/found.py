@@ -30,6 +30,7 @@ class Found:
     interrupted: bool = False  # by Ctrl-C: the best until then
     # with each cause that is named: (parameters, from 0 to 1, halves of their intervals)
     elsewhere: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    ends: dict = field(default_factory=dict)  # {number: (low, high)} of intervals that are no multiple of a deviation, from 0 to 1
     doubtful: bool = False  # what is left over is no error of points, or the search may not be at its end
 
     @property
@@ -45,7 +46,8 @@ class Found:
         """Of 95 %, one parameter at a time, within the bounds; where a cause is named, as far as the parameter goes with it."""
         p = len(self.parameters)
         half = (self.reach * np.sqrt(np.diag(self.covariance)))[:p]
-        ends = np.array([self.u[:p] - half, self.u[:p] + half]
+        own = np.array([self.ends.get(k, (x - d, x + d)) for k, (x, d) in enumerate(zip(self.u, half))]).T
+        ends = np.array([*own]
                         + [u + sign * np.maximum(d, half) for u, d in self.elsewhere for sign in (-1, 1)])
         return {q.name: (float(q.value(max(column.min(), 0))), float(q.value(min(column.max(), 1))))
                 for q, column in zip(self.parameters, ends.T)}

@@ -16,10 +16,12 @@ from .parameters import MODE, Parameter
 from .problem import Problem
 from .results import Results
 from .sweeps import stored
-from .units import scales_of_rod
+from .units import TIMES, quantity, scales_of_rod
 
 A_LITTLE = 0.02  # of its bounds: so much of a law tells what it would do
+USUALLY = 0.3  # of its bounds: about so much such scenes have
 BENT = 4.0  # radians over the whole rod: so far natural curvature is tried to both sides
+STRAIGHTENS, REMEMBERED = 10.0, 0.25  # proprioception, and memory as a part of the run, that are tried where there is none
 MOST = 4.0  # times, or parts, of what it is: so far other numbers are tried
 
 
@@ -30,10 +32,16 @@ class Law:
     words: str  # what the scene says of it
     parameter: Parameter
     held: float  # in the parameter's unit
+    usual: bool = False  # such scenes mostly have it, and this one has nothing of it
 
     @property
     def name(self) -> str:
         return self.parameter.name
+
+    @property
+    def begins(self) -> list[float]:
+        """Numbers of the parameter from which it is tried; of what is missing altogether a little may not show what it does."""
+        return [self.begin, USUALLY] if self.usual else [self.begin]
 
     @property
     def begin(self) -> float:
@@ -47,7 +55,7 @@ class Held:
 
     def __init__(self, fit: Found):
         problem = fit.problem
-        self.attributes, self.given = fit.run.attributes, fit.run.options
+        self.run, self.attributes, self.given = fit.run, fit.run.attributes, fit.run.options
         self.free = {p.name for p in problem.parameters} | set(problem.tied)
         self.free |= {name.lstrip("-") for name, text in problem.options.items() if isinstance(text, str) and "{" in text}
         self.scales = scales_of_rod(self.attributes)
@@ -85,15 +93,35 @@ class Held:
         else:
             yield Law(f"natural curvature is {held:.3g}{unit}", Parameter("rod_curvature", held - most, held + most, None, unit), held)
 
+    def senses(self):
+        """Of growth that senses: whether anything straightens the rod, and how long it remembers."""
+        if not (self.number("tropism_gravity") or self.number("tropism_light")):
+            return
+        name, held = "tropism_proprioception", self.number("tropism_proprioception")
+        if name not in self.free:
+            said = f"proprioception is {held:.3g}" if held else "nothing straightens what is bent (no proprioception)"
+            yield Law(said, Parameter(name, held / MOST, MOST * held or STRAIGHTENS, None, ""), held, not held)
+        name, held = "tropism_memory", self.number("tropism_memory")
+        if name not in self.free:
+            one = self.scales.get("time", 1.0) / (TIMES["h"] if "time" in self.scales else 1.0)
+            unit, last = "h" if "time" in self.scales else "", float(self.run.series.t[-1])
+            said = f"what is sensed is remembered for {held * one:.3g} {unit}".rstrip() if held else "what is sensed acts at once"
+            yield Law(said, Parameter(name, held * one / MOST, (MOST * held or REMEMBERED * last) * one, None, unit), held * one)
+
+    def as_given(self, name):
+        """(a number, its unit), as the scene has it."""
+        number, unit = quantity(self.given.get(name, "")) or (self.number(name), "")
+        return number, unit
+
     def others(self):
         """Friction across the rod, the load on its tip, where it grows."""
         growth = self.text("growth_type")
-        for name, said, used in (("friction_across", "friction across the rod is {:g} of that along it", True),
-                                 ("growth_zone", "the growth zone is {:g} long", growth == "apical"),
-                                 ("growth_width", "the growth zone is {:g} wide", growth == "gaussian")):
-            held = self.number(name)
-            if used and held > 0 and name not in self.free:
-                yield Law(said.format(held), Parameter(name, held / MOST, held * MOST, None, ""), held)
+        for name, said, used in (("friction_across", "friction across the rod is {} of that along it", True),
+                                 ("growth_zone", "the growth zone is {} long", growth == "apical"),
+                                 ("growth_width", "the growth zone is {} wide", growth == "gaussian")):
+            if used and self.number(name) > 0 and name not in self.free:
+                held, unit = self.as_given(name)
+                yield Law(said.format(f"{held:.3g} {unit}".rstrip()), Parameter(name, held / MOST, held * MOST, None, unit), held)
         if "tip_force" not in self.free and self.text("tip_type") in ("", "free"):
             one, unit = (self.scales["force"], "N") if self.scales else (1.0, "")
             held = self.number("tip_force") * one
@@ -104,7 +132,7 @@ class Held:
 def laws_of(fit: Found) -> list[Law]:
     """What may be wrong with the scene of a fit: the numbers that it holds."""
     held = Held(fit)
-    return [*held.friction(), *held.curvature(), *held.others()]
+    return [*held.friction(), *held.curvature(), *held.senses(), *held.others()]
 
 
 def with_law(fit: Found, law: Law, settings) -> Problem:

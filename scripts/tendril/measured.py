@@ -26,6 +26,7 @@ from typing import Mapping, Sequence
 
 import numpy as np
 
+from . import angle_tables
 from .errors import DataError
 from .naming import times_of, unknown
 from .readers import Row, heading, is_number, line_of, number_in, plain
@@ -66,6 +67,7 @@ class Curve:
     at: Values  # numbers [m], rising
     values: Values  # numbers [m]
     source: str
+    behind: Values | None = None  # of an angle: how far behind the tip; None: where the series says
 
 
 @dataclass
@@ -222,6 +224,19 @@ def curves_of(table, names, units, abscissa, path):
     return found
 
 
+def angles_of(found, rows, headings, path, notes):
+    """Series of a table of angles, an organ each; what else it has is noted."""
+    series, unit = angle_tables.series_of(found, rows, path)
+    if unused := [name for (name, _), one in zip(headings, found) if name and (one is None or not one.what)]:
+        notes.append(f"{path}: not used: {', '.join(unused)}")
+    organs = list(dict.fromkeys(organ for _, organ, _, _ in series))
+    if len(organs) > 1:
+        notes.append(f"{path}: {len(organs)} organs, whose mean is looked for")
+    return [Curve(column.what, "t", values_of(t, unit, path), values_of(angles, column.unit, path),
+                  f"{path}, {organ}" if organ else str(path), None if column.behind is None else Values(np.array(column.behind), "l"))
+            for column, organ, t, angles in series]
+
+
 def left_out(table, names, path):
     """In words, what of a file of points is not used."""
     words = []
@@ -258,6 +273,8 @@ def read(path, unit="", at="", fps=None) -> Measured:
         raise DataError(f"{path}: has a line of headings, and no row below it")
     headings = [heading(cell) for cell in rows[0]]
     names = [name for name, _ in headings]
+    if found := angle_tables.columns_of(headings):
+        return Measured([], angles_of(found, rows[1:], headings, path, notes), notes)
     if twice := next((name for name in names if name and names.count(name) > 1), None):
         raise DataError(f"{path}: has {names.count(twice)} columns {twice}; give each photograph rows of its own, or X, Y, X, Y "
                         "under a line of times")

@@ -10,7 +10,10 @@ K is Matern's kernel 3/2 or Gauss's, and the reach the same in all photographs o
 length (KINDS): which of the four it is the residuals tell. It matters: a kernel too rough, or a reach too
 short in the long photographs, which tell most, gives intervals of half the width they should have. w < 1
 takes the weight off a stray point. Of a series place is time, n = 1, and
-there is no shift. The four numbers are estimated from the residuals by restricted maximum likelihood (REML),
+there is no shift. Angles over time are fitted evenly, as if all erred by themselves, and only their intervals know of the
+covariance V: with W of those errors alone, A = (J^T W J)^-1, that of the parameters is A J^T W V W J A. What a law of growth
+leaves of one curve is smooth itself, and weights V^-1, which forgive what is smooth, would let the search slide away from the
+data along it. Several organs may be shifted as photographs are. The four numbers are estimated from the residuals by restricted maximum likelihood (REML),
 which knows that the parameters have taken up a part of them; the parameters then by generalised least
 squares. What the residuals do not tell of kind and numbers makes intervals wider: all of their values
 count, each by its likelihood times a flat prior of the standard deviations (importance sampling), and
@@ -18,7 +21,7 @@ an interval is one of that mixture of normal distributions."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Callable, NamedTuple
 
 import numpy as np
@@ -45,6 +48,13 @@ class Block:
     place: np.ndarray  # [m], arc length or time
     normal: np.ndarray | None  # [m, 2]; None: of a series
     other: np.ndarray  # [m], how much farther another strand of the rod is: of which is it a point?
+    evenly: bool = False  # all count alike in the search, however their errors are correlated
+    shifts: bool = False  # of a series: one of several, which may lie beside their place as a whole
+
+    @property
+    def whole(self) -> bool:
+        """Whether it may be shifted."""
+        return self.normal is not None or self.shifts
 
     @property
     def extent(self) -> float:
@@ -113,15 +123,22 @@ class Errors:
         alike = 1.0 if block.normal is None else block.normal @ block.normal.T
         if g.smooth:
             v += g.smooth**2 * g.alike(np.abs(block.place[:, None] - block.place), block.extent)[0] * alike
-        if g.shift and block.normal is not None:
+        if g.shift and block.whole:
             v += g.shift**2 * alike
         return v
 
-    def whitened(self, values):
+    def evenly(self, block: Block):
+        """[m], the standard deviations of its residuals if all erred by themselves."""
+        return self.groups[block.group].total / np.sqrt(self.weights[block.rows])
+
+    def whitened(self, values, search=False):
         """Residuals, or a Jacobian [n, p], so that their errors are independent and of size 1; the sum
-        of their squares is r.V^-1.r."""
+        of their squares is r.V^-1.r. search: as they count in the search (Block.evenly)."""
         out = (values.T / self.alone).T
         for block in self.blocks:
+            if search and block.evenly:
+                out[block.rows] = (values[block.rows].T / self.evenly(block)).T
+                continue
             factor = linalg.cholesky(self.covariance(block), lower=True, check_finite=False)
             out[block.rows] = linalg.solve_triangular(factor, values[block.rows], lower=True,
                                                       check_finite=False)
@@ -173,13 +190,17 @@ class Estimate:
             self.gaps[k, :m, :m] = np.abs(place[:, None] - place)
             self.alike[k, :m, :m] = 1.0 if b.normal is None else b.normal[kept] @ b.normal[kept].T
             self.extra[k, :m], self.empty[k, :m] = 1 / errors.weights[rows], 0
-        self.lines = any(b.normal is not None for b in self.blocks)
+        self.lines = any(b.whole for b in self.blocks)
+        self.evenly = any(b.evenly for b in errors.blocks)  # some of all residuals count so
         self.extents = np.array([b.extent for b in self.blocks])[:, None, None]
         self.kind, self.kinds = KINDS[0], KINDS if np.ptp(self.extents) > 0.1 * self.extents.max() else KINDS[:2]
         mine = np.zeros(len(residuals), bool)
         mine[np.concatenate([b.rows for b in self.blocks])] = True
         white = errors.whitened(np.column_stack([residuals, jacobian]))[~mine]
         self.others, self.rest = prior + white[:, 1:].T @ white[:, 1:], white[:, 1:].T @ white[:, 0]
+        if self.evenly:
+            self.sandwiched = [sandwiched(errors, jacobian, prior, ~mine, scatter) for scatter in (False, True)]
+            self.weight = np.where(self.empty, 0, 1 / np.maximum(self.extra, 1e-300)) / errors.groups[name].total**2
         spans = [np.ptp(b.place) for b in self.blocks]
         steps = [np.median(np.diff(np.sort(b.place))) for b in self.blocks if len(b.rows) > 2]
         self.longest = max(0.25 * max(spans), 1e-12)  # what is alike over more is a shift
@@ -191,8 +212,19 @@ class Estimate:
                      abs(theta[3]) * self.unit * self.lines, self.kind, float(self.extents.max()))
 
     def terms(self, theta):
-        """(log of the restricted likelihood, information of the numbers, their gradient)"""
-        return self.solved(self.group(theta))[:3]
+        """(log of the restricted likelihood, information of the numbers, their gradient); of residuals that count evenly the
+        information that is left of it, and the gradient is 0 at the end of the search whatever V is."""
+        g = self.group(theta)
+        likelihood, information, gradient, _ = self.solved(g)
+        if self.evenly:
+            weighed = self.weight[..., None] * self.values[:, :, 1:]  # W J
+            mine = np.einsum("kma,kmb->ab", weighed, self.values[:, :, 1:]), np.einsum(
+                "kma,...kmn,knb->...ab", weighed, self.covariance(g)[0], weighed)
+            if not self.blocks[0].evenly:
+                mine = 2 * (information - self.others,)
+            whole, spread = (others + own for others, own in zip(self.sandwiched, mine))
+            information, gradient = whole @ np.linalg.inv(spread) @ whole, np.zeros_like(gradient)
+        return likelihood, information, gradient
 
     def covariance(self, g: Group):
         """[..., block, m, m], and K n.n with its derivative by log reach."""
@@ -341,6 +373,24 @@ class Estimate:
         return terms, share / share.sum()
 
 
+def sandwiched(errors: Errors, jacobian, prior, rows, scatter):
+    """Of some rows, whole blocks: the information J^T W J as residuals count in the search, and the prior's; or, scatter, the
+    covariance of the gradient J^T W r: with A the inverse of the first A (J^T W V W J) A is the parameters'."""
+    found, alone = np.array(prior, float), np.array(rows)
+    for block in errors.blocks:
+        alone[block.rows] = False
+        if not rows[block.rows].all():
+            continue
+        j = jacobian[block.rows]
+        if not block.evenly:
+            found += j.T @ np.linalg.solve(errors.covariance(block), j)
+            continue
+        weighed = (j.T / errors.evenly(block) ** 2).T
+        found += weighed.T @ errors.covariance(block) @ weighed if scatter else weighed.T @ j
+    white = (jacobian[alone].T / errors.alone[alone]).T
+    return found + white.T @ white
+
+
 def screened(residuals, sigma, blocks):
     """[n], weights by which strays count less, before anything is known of correlation."""
     weights = np.ones(len(residuals))
@@ -401,6 +451,7 @@ class Certainty:
 
     covariance: np.ndarray  # [p, p], of the mixture
     reach: np.ndarray  # [p], half an interval of 95 %, in standard deviations of the mixture
+    ends: dict = field(default_factory=dict)  # {number: (low, high)} of intervals that are not so (tendril.profiles)
 
 
 def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95) -> Certainty:
@@ -408,6 +459,10 @@ def certainty(errors: Errors, residuals, jacobian, prior, known=None, share=0.95
     names = [name for name in errors.groups if name not in (known or {})]
     information = prior + (lambda w: w.T @ w)(errors.whitened(jacobian))
     plain = np.linalg.pinv(information, hermitian=True)
+    if any(block.evenly for block in errors.blocks):
+        whole, spread = (sandwiched(errors, jacobian, prior, np.ones(len(jacobian), bool), scatter) for scatter in (False, True))
+        around = np.linalg.pinv(whole, hermitian=True)
+        plain = around @ spread @ around
     means, covariances, shares = [np.zeros(len(prior))], [plain], [1.0]
     for name in names[:1]:  # the group that tells most; the others' errors are taken as found
         one = Estimate(errors, max(names, key=lambda n: weight_of(errors, jacobian, n)), residuals, jacobian, prior)
@@ -431,8 +486,8 @@ def freedom(errors: Errors) -> float:
     """Of Student's t: what a photograph errs by as a whole, the part c of the variance, is known from the two components
     of n shifts only, and what errs by itself from all points: 2 (n - 1)/c^2, as Satterthwaite has it. (What is
     smooth along the rod is known from all its pieces, and how well is in the mixture.)"""
-    names = {block.group for block in errors.blocks if block.normal is not None}
-    count = sum(block.normal is not None for block in errors.blocks)
+    names = {block.group for block in errors.blocks if block.whole}
+    count = sum(block.whole for block in errors.blocks)
     if count < 2:
         return 2.0 if count else np.inf
     whole = max((g.shift / max(g.total, 1e-300)) ** 2 for g in (errors.groups[name] for name in names))

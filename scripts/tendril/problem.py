@@ -11,7 +11,7 @@ from typing import Sequence
 import numpy as np
 from scipy import stats
 
-from .comparing import BARE, BARE_NOISE, ENDS, LINES, VIEW, Comparison
+from .comparing import ANGLES, BARE, BARE_NOISE, ENDS, LINES, VIEW, Comparison
 from .errors import RunError, TendrilError
 from .measured import Measured, values_of
 from .noise import Errors, estimate
@@ -22,7 +22,7 @@ from .runs import check_names, run
 from .secants import Flat, least
 from .sweeps import cores, stored
 from .tangents import STEP as ALONG, beside
-from .units import PER, parameters_of, scales_of_rod, with_unit
+from .units import PER, in_si, parameters_of, quantity, scales_of_rod, with_unit
 
 HUBER = 1.345  # 95 % efficiency for normal noise
 STEP, FINE_STEP = 3e-3, 1e-2  # of differences, in parts of a parameter's bounds: forward, central
@@ -162,7 +162,11 @@ class Problem:
         """What the file of a run at a point would say of its rod in the laboratory."""
         told = {p.name: p.text(p.value(x)) for p, x in zip(self.parameters, u)} | self.words_tied(u)
         about = self.glimpse.attributes | parameters_of({k: v for k, v in told.items() if k.startswith("si_")})
-        return about | {f"si_{kind}": scale for kind, scale in scales_of_rod(about).items()}
+        about |= {f"si_{kind}": scale for kind, scale in scales_of_rod(about).items()}
+        zone = told.get("growth_zone", str(self.options.get("growth_zone", self.glimpse.options.get("growth_zone", ""))))
+        if found := quantity(zone.format_map(told) if "{" in zone else zone):
+            about |= {"parameters/growth_zone": found[0] * in_si(found[1]) / about["si_length"] if found[1] else found[0]}
+        return about
 
     def unit_length(self, u):
         """1 of tendril's unit of length in m at a point, 1 without laboratory units."""
@@ -303,6 +307,7 @@ class Problem:
         if self.glimpse is None or "ts_max_time" not in end:  # a length says when to end, and it counts from the first
             self.glimpse = self.follow(u)
         self.begin = u
+        self.check_angles()
         if "stop_length" in end and "ts_max_time" not in end:
             last = max(self.measured.abscissae("length"), key=lambda v: np.max(v.numbers))
             reach = float(np.max(last.numbers)) / (self.glimpse.scale("length") if last.si else 1)
@@ -318,6 +323,13 @@ class Problem:
         end["output_interval"] = float(chosen.series.t[-1]) / SHAPES
         self.settings |= {k: v for k, v in end.items() if v is not None and k not in self.options}
         self.known = {}
+
+    def check_angles(self):
+        """A table of angles has its times in a unit where the scene knows one."""
+        if "si_time" in self.glimpse.attributes:
+            for c in self.measured.curves:
+                if c.name in ANGLES and not c.at.si:
+                    raise TendrilError(f"{c.source}: t has no unit, and this scene has seconds; write t (h), or t (min), t (s), t (d)")
 
     def keep_search(self):
         """Keeps the runs of the search, for what is asked of them after it."""
@@ -359,7 +371,7 @@ class Problem:
         if isinstance(r, RunError) or not self.comparison.sees(r, u[len(self.parameters):]):
             return np.full(len(self.sigma), FAILED)
         raw = self.raw(u, r)
-        return self.errors.whitened(raw) if self.errors else raw / self.sigma
+        return self.errors.whitened(raw, search=True) if self.errors else raw / self.sigma
 
     def measure_noise(self, u, share=None):
         """Sets the noise of each group as if all residuals erred by themselves: a share of what was
@@ -463,7 +475,7 @@ class Problem:
             points, steps = self.neighbours(u, STEP)
             here = self.residuals(u)
             return np.column_stack([(self.residuals(a) - here) / h for a, h in zip(points, steps)])
-        return self.errors.whitened(raw) if self.errors else raw / self.sigma[:, None]
+        return self.errors.whitened(raw, search=True) if self.errors else raw / self.sigma[:, None]
 
     def bounds(self, u):
         """Parameters, and times of photographs that have none, are parts of what they can be; a camera's numbers are not."""

@@ -15,9 +15,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .errors import TendrilError
-from .fitting import CLOSE, Fit
+from .fitting import Fit
 from .naming import unknown
 from .problem import FAILED
+from .profiles import held
 from .progress import bar
 
 FEWEST = 10  # steps of an interrupted chain that are of use
@@ -48,25 +49,8 @@ def profile(fit: Fit, name, count=9, reach=3.0) -> Profile:
         u = fit.u + slope * (value - fit.u[k])
         u[:len(names)] = np.clip(u[:len(names)], 0, 1)
         u[k] = value
-        costs.append(held(problem, u, k))
+        costs.append(held(problem, u, k)[0])
     return Profile(name, fit.parameters[k].value(at), np.array(costs) - fit.cost)
-
-
-def held(problem, u, k):
-    """The least cost from a point with one number held: two Gauss-Newton steps."""
-    best = problem.cost(problem.residuals(u))
-    for _ in range(2):
-        jacobian = np.delete(problem.jacobian(u), k, axis=1)
-        if not jacobian.shape[1]:
-            return best
-        step = -np.linalg.lstsq(jacobian, problem.residuals(u), rcond=None)[0]
-        new = u + np.insert(step, k, 0.0)
-        new[:len(problem.parameters)] = np.clip(new[:len(problem.parameters)], 0, 1)
-        cost = problem.cost(problem.residuals(new))
-        if cost > best - CLOSE:
-            return min(cost, best)
-        best, u = cost, new
-    return best
 
 
 @dataclass

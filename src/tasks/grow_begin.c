@@ -47,8 +47,7 @@ static PetscErrorCode ChooseModel(Grow *self) {
       "%s: means nothing in the plane, and nothing here takes the rod out of it; take it out, "
       "or give -rod_model space",
       space->only);
-  UserCheck(!space->rod || !self->member || self->member->values == OBSERVED_IN_SPACE,
-            self->scene->comm,
+  UserCheck(!space->rod || !self->member || self->member->space, self->scene->comm,
             "%s: takes this rod out of the plane, as nothing that the sweep's options say does; "
             "give the sweep -rod_model space",
             space->why ? space->why : "-rod_model");

@@ -45,10 +45,12 @@ static PetscErrorCode ReadStore(Sweep *self) {
 
 /* Does this value of an option take a rod out of the plane? Of a vector its third part does. */
 static PetscBool TakesOut(const char *name, const char *value) {
-  static const char *const scalar[] = {"rod_bend_ratio",  "rod_twist",  "rod_curvature_2",
-                                       "tip_torque",      "shape_turn", "rod_curvature_random_2",
-                                       "clamp_direction", "clamp_spin", "clamp_path"},
-                           *const vector[] = {"rod_weight", "tip_force_vector"};
+  static const char *const scalar[] = {"rod_bend_ratio",    "rod_twist",  "rod_curvature_2",
+                                       "tip_torque",        "shape_turn", "rod_curvature_random_2",
+                                       "clamp_direction",   "clamp_spin", "clamp_path",
+                                       "tropism_nutation_2"},
+                           *const vector[] = {"rod_weight", "tip_force_vector", "tropism_direction",
+                                              "tropism_source"};
   const char *third = value ? strchr(value, ',') : NULL;
 
   if (!value || !*value) return PETSC_FALSE;
@@ -63,26 +65,34 @@ static PetscBool TakesOut(const char *name, const char *value) {
   return PETSC_FALSE;
 }
 
-/* Is any member a rod in space, by what all have in common or by the table? Then all have the
-   numbers that there are in space; a member in the plane has none there. */
-static PetscBool InSpace(const Sweep *self) {
+/* Does this option make the material learn its bend? */
+static PetscBool Teaches(const char *name, const char *value) {
+  return (PetscBool)(!strncmp(name, "tropism_", 8) || !strcmp(name, "growth_ironing"));
+}
+
+/* Does an option of any member, of what all have in common or of the table, do this? */
+static PetscBool AnyDoes(const Sweep *self, PetscBool (*does)(const char *, const char *)) {
   for (PetscInt k = 0; k < self->commons; k++)
-    if (TakesOut(self->common[k].name + 1, self->common[k].value)) return PETSC_TRUE;
+    if (does(self->common[k].name + 1, self->common[k].value)) return PETSC_TRUE;
   for (PetscInt c = 0; c < TableColumns(self->table); c++)
     for (PetscInt r = 0; r < TableRows(self->table); r++)
-      if (TakesOut(TableName(self->table, c), TableCell(self->table, r, c))) return PETSC_TRUE;
+      if (does(TableName(self->table, c), TableCell(self->table, r, c))) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
-static PetscErrorCode ColumnsOfSpace(Sweep *self) {
+/* If any member is a rod in space all have the numbers that there are in space, and likewise those
+   of a material that learns; what a member has not is nan. */
+static PetscErrorCode ColumnsOfAll(Sweep *self) {
   PetscFunctionBegin;
-  if (self->task != TASK_GROW || !InSpace(self)) PetscFunctionReturn(0);
+  if (self->task != TASK_GROW) PetscFunctionReturn(0);
+  self->space = AnyDoes(self, TakesOut);
   UserCheck(
-      !self->columns.shapes, OptionsComm(),
+      !self->space || !self->columns.shapes, OptionsComm(),
       "-sweep_store %s: the table has rods in space, whose shapes are in a file of each; give "
       "-sweep_directory, and leave shapes out",
       self->store);
-  self->columns.n = OBSERVED_IN_SPACE;
+  if (self->space) self->columns.n = OBSERVED_IN_SPACE;
+  if (AnyDoes(self, Teaches)) self->columns.n = OBSERVED;
   PetscFunctionReturn(0);
 }
 
@@ -141,7 +151,7 @@ static PetscErrorCode ReadOptions(Sweep *self) {
   PetscCall(OptionText("-output", self->output, &given));
   UserCheck(given, OptionsComm(), "-task sweep: give the file for its results, -output FILE");
   PetscCall(TableRead("-sweep_file", path, &self->table));
-  PetscCall(ColumnsOfSpace(self));
+  PetscCall(ColumnsOfAll(self));
   PetscCall(OptionsCheckTypes());
   PetscFunctionReturn(0);
 }

@@ -238,6 +238,7 @@ PetscErrorCode SweepMember(Sweep *self, PetscInt row) {
   Member member = {.meanwhile = Meanwhile,
                    .ctx = self,
                    .values = self->columns.n,
+                   .space = self->space,
                    .series = self->columns.series,
                    .shapes = self->columns.shapes};
   MemberHead head = {.member = row, .status = MEMBER_FINISHED};

@@ -22,6 +22,7 @@ typedef struct {
   Common *common;
   char *options; /* all of what makes two sweeps differ, beside the table, as text */
   Columns columns;
+  PetscBool space; /* a member may be a rod in space */
   Collection collection;
   Handout handout;
   MPI_Comm held; /* PETSc's own of the team, that it need not be made again for each member */
