@@ -129,7 +129,6 @@ static void AddWall(int dims, const Contact *contact, const Touch *touch, const 
     if (touch->moves) sum->moved += length * push.force[d] * touch->v[d];
     force[d] += push.force[d];
     sum->wall[d] += length * push.force[d];
-    sum->moved += length * push.force[d] * touch->v[d];
   }
   force[SPIN] += push.couple;
 }
