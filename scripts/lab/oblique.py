@@ -171,7 +171,7 @@ def turned(wall, Q, folder):
     if kind == "tube":
         line = f"tube inside {said(*(np.append(Q @ x, R) for x in wall['points']))}"
     elif kind == "body":
-        points, triangles = capsule(R, 0, 48)
+        points, triangles = capsule(R, 0, 32)
         line = body(folder, "body", at + points, triangles, wall["D"], "inside").replace("body.h5", str(folder / "body.h5"))
     else:
         numbers = {"plane": (at, axis), "sphere": (at, R), "cylinder": (at, axis, R), "torus": (at, axis, wall.get("ring"), R),

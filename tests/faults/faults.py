@@ -63,7 +63,7 @@ def read(file):
 FEED = f"-options_file {scene.ROOT}/options/feed.opts "
 
 
-@check(ranks=2)
+@check
 def a_full_disk_leaves_what_was_stored_whole():
     """One line that names the file and the reason; what was stored is whole; a restart elsewhere goes
     on to the same end."""
@@ -114,7 +114,7 @@ def a_limit_of_file_size_ends_each_task_in_one_line():
             expect(not file.exists(), f"{task}, {limit} kB: half a file is left")
 
 
-@check(ranks=2)
+@check
 def a_restart_in_place_goes_on_from_any_number_of_ranks_to_any():
     """On 1, 2 and 3 ranks, and from each number to each."""
     options = f"{DRY} -rod_cells 60 -output_interval 0.5 "
@@ -136,7 +136,7 @@ def a_restart_in_place_goes_on_from_any_number_of_ranks_to_any():
         expect("-ts_max_time 2.2" in str(earlier) and "-ts_max_time 5" in str(now), str(earlier))
 
 
-@check(ranks=2)
+@check
 def a_table_that_dips_below_0_is_refused_before_any_work():
     """Below 0 between its entries: refused before any work, on any number of ranks."""
     file = f"{scene.SCRATCH}/table.h5"
@@ -151,7 +151,7 @@ def a_table_that_dips_below_0_is_refused_before_any_work():
     print(said[0])
 
 
-@check(ranks=2)
+@check
 def a_second_writer_of_a_file_is_refused():
     """A second run, restart, task or sweep with the same file, or a sweep with the same directory, is
     refused; it names the process, and the first goes on as if nothing had been. One that was killed
@@ -190,7 +190,7 @@ def a_second_writer_of_a_file_is_refused():
     expect(run(f"{options} -output {d}/b.h5")[0] == 0, "what a killed one held stays held")
 
 
-@check(ranks=2)
+@check
 def a_signal_to_mpiexec_ends_run_and_sweep_in_good_order():
     """SIGUSR1 to mpiexec itself, which hands it on and goes on: run and sweep end in good order, and say so
     in one line. (Of SIGTERM some make an end of their own, in which that line is lost.)"""

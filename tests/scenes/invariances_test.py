@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-# test: random scenes hold under mirrors, turns and units | with --ranks no
-# test: random scenes are the same on ranks | ranks 2 | with --ranks only
+# test: random scenes hold under mirrors, turns and units | with --ranks=no
+# test: random scenes are the same on ranks | ranks 2 | with --ranks=only
 """A dozen of the random scenes of scripts/lab/invariances.py, of half of its cells.
 
-    invariances_test.py build/tendril [--ranks no|only]"""
+    invariances_test.py build/tendril [--ranks=no|only]"""
 
 import sys
 from pathlib import Path

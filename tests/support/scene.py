@@ -7,7 +7,7 @@ import os
 import shlex
 import subprocess
 import tempfile
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 from interpreter import ROOT, from_venv
@@ -27,7 +27,8 @@ DRY = "-growth_initial_length 2 -shape_amplitude 0.1 "  # the rod of the referen
 
 
 def check(function=None, ranks=1, parts=0):
-    """Makes a function a test, which tests/registered.py finds: on so many ranks; where there are several numbers of ranks, or
+    """Makes a function a test, which tests/registered.py finds: on so many ranks, if these say much to each other (then it has
+    the cores for itself, for a rank that shares one waits for its turn with each message); where there are several numbers of ranks, or
     parts, it is given one and is as many tests. What it is called is what holds, a sentence."""
     if function is None:
         return lambda function: check(function, ranks, parts)
@@ -148,15 +149,20 @@ def read(file):
     return r
 
 
+@lru_cache
+def whole_run(options):
+    """Once, of a run that is broken in several places."""
+    tendril(f"{options} -output {SCRATCH}/whole.h5")
+    return read(f"{SCRATCH}/whole.h5")
+
+
 def broken(options, step):
     """Runs it whole, then to a step (or to that of the whole run which step(whole) names), where it is broken and goes on:
     the whole run and the names of what is not in both to the last bit; nor may another error be told."""
-    files = [f"{SCRATCH}/{name}.h5" for name in ("whole", "broken")]
-    tendril(f"{options} -output {files[0]}")
-    whole = read(files[0])
-    tendril(f"{options} -output {files[1]} -ts_max_steps {step(whole) if callable(step) else step}", 1)
-    tendril(f"-restart {files[1]} -output {files[1]}")
-    on = read(files[1])
+    whole, part = whole_run(options), f"{SCRATCH}/broken.h5"
+    tendril(f"{options} -output {part} -ts_max_steps {step(whole) if callable(step) else step}", 1)
+    tendril(f"-restart {part} -output {part}")
+    on = read(part)
     return whole, [k for k in whole if not np.array_equal(whole[k], on[k])]
 
 

@@ -141,7 +141,7 @@ def critical_lengths_of_members_are_those_of_single_runs():
                 expect(s.critical[name][k] == r.critical[name], f"{row}: critical/{name}")
 
 
-@check(ranks=2)
+@check
 def members_that_fail_leave_their_line():
     """They are recorded with the line of a single run, and the others go on."""
     table = """friction_mu,ts_max_steps,rod_model,growth_width,shape_file,ts_max_time
@@ -213,7 +213,7 @@ def a_killed_sweep_goes_on_as_the_whole():
     stopped(1, signal.SIGKILL, 1)
 
 
-@check(ranks=2)
+@check
 def ctrl_c_in_python_keeps_what_has_come_in():
     """Ctrl-C of tendril.sweep on two ranks: what has come in is kept, and no rank goes on."""
     # with steps so short that no machine comes to the end
@@ -439,7 +439,7 @@ def script(command, code=0, cwd=ROOT):
     return done.stdout + done.stderr
 
 
-@check(ranks=2)
+@check
 def sweep_sh_runs_in_one_job_and_a_process_a_point():
     """In one job and a process a point."""
     d = scene.SCRATCH

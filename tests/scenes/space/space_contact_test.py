@@ -140,12 +140,21 @@ CONE = ("-growth_type apical -contact_diameter 0.0575 -growth_initial_length 0.5
         "-clamp_spin -2.558 ")
 
 
+def pressed_in_a_cone():
+    return CONE + walls("cone -0.5 0 0 1 0 0 0.20665 0.15445 4 inside friction 0.3",
+                        "cylinder 2.334 -0.1944 -0.3419 -0.0675438700949 0.807304339246 0.586257221232 0.3597 outside friction 0.3")
+
+
 @check(ranks=3)
+def contact_that_gets_firmer_agrees_on_ranks():
+    expect_on_ranks(pressed_in_a_cone())
+
+
+@check
 def contact_gets_firmer_where_a_rod_is_pressed_in():
     """Contact gets firmer of itself where a rod is pressed in, as if it had been so from the start; what is not pressed
     in is computed as if there were no such thing; restart to the last bit from before and behind."""
-    cone = CONE + walls("cone -0.5 0 0 1 0 0 0.20665 0.15445 4 inside friction 0.3",
-                        "cylinder 2.334 -0.1944 -0.3419 -0.0675438700949 0.807304339246 0.586257221232 0.3597 outside friction 0.3")
+    cone = pressed_in_a_cone()
     itself, told, soft = (Run(cone + more) for more in ("", "-contact_firm", "-contact_firm false"))
     deep, apart = [r.penetration.max() / 0.0575 for r in (itself, told, soft)], np.abs(tip(itself) - tip(told)).max()
     print(f"pressed in by {deep[0]:.2%}, told to {deep[1]:.2%}, soft {deep[2]:.2%}; tips apart by {apart:.1e}, of soft contact "
@@ -161,7 +170,6 @@ def contact_gets_firmer_where_a_rod_is_pressed_in():
     expect(free.penetration.max() > 0 and free.firm == 1, "it became firm")
     # steps that cannot be taken back have it from the start
     expect(Run(easy + "-ts_type bdf -ts_max_time 1").firm == 16, "with bdf it is soft")
-    expect_on_ranks(cone)
     first = lambda run: int(np.argmax(run["series/penetration"] > 0.00075 * 0.0575))
     for name, step in {"before": lambda run: first(run) - 3, "behind": lambda run: first(run) + 3}.items():
         different = broken(cone + "-output_interval 0.2", step)[1]
@@ -316,14 +324,22 @@ def a_wall_that_comes_and_goes_within_a_step_is_felt():
             expect(0.1 < aside < 0.2, f"{moves}: aside by {aside}")
 
 
-@check(ranks=3)
-def walls_that_move_in_time_agree_on_ranks_and_behind_restarts():
-    """2 and 3 ranks agree on what a press and a drum that move as given in time do; a run broken in the midst of it, or where
-    the press sets out at once, goes on to the last bit, with exact friction, too."""
+def between_a_press_and_a_drum():
     wall = walls("plane 0 0 0.3 0 0 -1", "plane 0 0 -0.3 0 0 1 moves at 0.2 0 0 0  0.7 0 0 0.2  0.9 0 0 0.2  1.0 0 0 0.22 friction 0.3",
                  "cylinder 1.3 -0.6 0 0 0 1 0.5 outside turns at 0 0 0.5 -1 1.2 2 about 1.3 -0.6 0 0 0 1 friction 0.4")
-    led = FED.replace("-ts_max_time 2", "-ts_max_time 1.2") + "-rod_curvature -0.3 -rod_curvature_2 0.4 " + wall
-    expect_on_ranks(led)
+    return FED.replace("-ts_max_time 2", "-ts_max_time 1.2") + "-rod_curvature -0.3 -rod_curvature_2 0.4 " + wall
+
+
+@check(ranks=3)
+def walls_that_move_in_time_agree_on_ranks():
+    """2 and 3 ranks agree on what a press and a drum that move as given in time do."""
+    expect_on_ranks(between_a_press_and_a_drum())
+
+
+@check
+def a_run_broken_between_walls_that_move_in_time_goes_on_as_the_whole():
+    """Broken in the midst of it, or where the press sets out at once, to the last bit, with exact friction, too."""
+    led = between_a_press_and_a_drum()
     for options in (led, led + " -friction_beta 0"):
         for at in (0.6, 0.9, 1.0):
             whole, different = broken(options, lambda run: np.searchsorted(run["series/t"], at))
