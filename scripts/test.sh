@@ -12,4 +12,5 @@ scripts/setup.sh tests
   echo "test: tests/requirements.txt cannot be had: the test of ParaView will be left out"
 echo "test: building build-test/"
 build build-test all -DTENDRIL_WERROR="${TENDRIL_WERROR:-OFF}" -DPython3_EXECUTABLE="$PWD/.venv/bin/python"
-ctest --test-dir build-test --output-on-failure --parallel "$(cores)" "$@"
+# one more than there are cores: some wait, for a browser or for a process that is held
+ctest --test-dir build-test --output-on-failure --parallel "$(($(cores) + 1))" "$@"

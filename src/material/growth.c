@@ -9,6 +9,8 @@ static const OptionRow rows[] = {
              "a, width in s of the growth zone at the clamp (gaussian)"),
     ROW_REAL("-growth_zone", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
              "length of the growth zone behind the tip (apical)"),
+    ROW_WORD("-growth_profile", "bell", "bell,even", 0,
+             "how growth is shared out in the zone (apical): as a bell, or all alike"),
     ROW_TEXT("-growth_path", INPUT_FILE,
              "CSV or HDF5 file with t and length, or t and speed: how a rod is fed over time, and "
              "pulled out again (feed)"),
@@ -90,29 +92,41 @@ static PetscErrorCode CreateFeed(Growth self) {
 }
 
 /*
-  apical: growth in a zone of length l behind the tip (the whole rod while it is shorter), with the
-  bell w = 30 z^2 (1-z)^2 / l of the distance z l from the tip. Labels share out the length evenly,
+  apical: growth in a zone of length l behind the tip (the whole rod while it is shorter), at the
+  rate w of the distance z l from the tip, a bell or even. Labels share out the length evenly,
   g = L; material behind is at rest, so it slides past them:
-    V = L_t (1 - W(z)) = L_t (1-z)^3 (1 + 3z + 6z^2),   W = z^3 (10 - 15z + 6z^2),   c = V - s L_t.
+    V = L_t (1 - W(z)),   c = V - s L_t,
+    bell: w = 30 z^2 (1-z)^2 / l,   W = z^3 (10 - 15z + 6z^2);   even: w = 1/l,   W = z.
 */
+typedef struct {
+  PetscReal length;
+  PetscBool even;
+} Zone;
+
 static PetscReal ZoneAt(Growth self, PetscReal s, PetscReal t, PetscReal *L_over_zone) {
   PetscReal L = self->initial_length + t;
-  *L_over_zone = L / PetscMin(*(PetscReal *)self->data, L);
+  *L_over_zone = L / PetscMin(((Zone *)self->data)->length, L);
   return PetscMin(1, (1 - s) * *L_over_zone);
+}
+
+/* W, the part of growth that is between a place and the tip. */
+static PetscReal ZoneShare(const Zone *zone, PetscReal z) {
+  return zone->even ? z : z * z * z * (10 - 15 * z + 6 * z * z);
 }
 
 static PetscReal SlideApical(Growth self, PetscReal s, PetscReal t) {
   PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
-  return (1 - s) - z * z * z * (10 - 15 * z + 6 * z * z);
+  return (1 - s) - ZoneShare((Zone *)self->data, z);
 }
 
 static PetscReal SpeedApical(Growth self, PetscReal s, PetscReal t) {
   PetscReal ratio, z = ZoneAt(self, s, t, &ratio), y = 1 - z;
-  return y * y * y * (1 + 3 * z + 6 * z * z);
+  return ((Zone *)self->data)->even ? y : y * y * y * (1 + 3 * z + 6 * z * z);
 }
 
 static PetscReal StrainApical(Growth self, PetscReal s, PetscReal t) {
   PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
+  if (((Zone *)self->data)->even) return z < 1 ? ratio : 0;
   return 30 * z * z * (1 - z) * (1 - z) * ratio;
 }
 
@@ -125,26 +139,41 @@ static PetscErrorCode OriginApical(Growth self, PetscReal s, PetscReal t, PetscR
 }
 
 /* How fast the distance from the tip grows with the length, of what is so far from it. */
-static PetscReal Recedes(PetscReal distance, PetscReal length, PetscReal zone) {
-  const PetscReal z = PetscMin(1, distance / PetscMin(zone, length));
-
-  return z * z * z * (10 - 15 * z + 6 * z * z);
+static PetscReal Recedes(PetscReal distance, PetscReal length, const Zone *zone) {
+  return ZoneShare(zone, PetscMin(1, distance / PetscMin(zone->length, length)));
 }
 
-/* Distances from the tip that material had, by the classical method of Runge and Kutta: behind the
-   zone it rests. */
+/* The distance from the tip that material had when the rod was shorter, in a zone in which it
+   recedes as it is far, d' = d/l; of a rod that is shorter than the zone d' = d/L. */
+static PetscReal DepartEven(PetscReal d, PetscReal L, PetscReal then, PetscReal zone) {
+  const PetscReal whole = PetscMin(L, PetscMax(then, zone)); /* it is as long as the zone */
+  const PetscReal rested = PetscMin(PetscMax(0, d - zone), L - whole);
+
+  if (d > zone && d - rested > zone) return d - (L - then); /* all along */
+  d = (d - rested) * PetscExpReal(-(L - rested - whole) / zone);
+  return d * then / whole;
+}
+
+/* Distances from the tip that material had, by the classical method of Runge and Kutta where there
+   is no formula: behind the zone it rests. */
 static PetscErrorCode DepartApical(Growth self, PetscReal t, PetscReal before, PetscInt n,
                                    const PetscReal s[], PetscReal from[]) {
-  const PetscReal zone = *(PetscReal *)self->data, longest = 0.02, /* step, in zones */
+  const Zone *zone = (Zone *)self->data;
+  const PetscReal longest = 0.02, /* step, in zones */
       L = self->initial_length + t, then = self->initial_length + before;
-  const PetscInt steps = PetscMax(1, (PetscInt)PetscCeilReal((L - then) / (longest * zone)));
+  const PetscInt steps =
+      PetscMax(1, (PetscInt)PetscCeilReal((L - then) / (longest * zone->length)));
   const PetscReal h = (then - L) / steps;
 
   PetscFunctionBegin;
   for (PetscInt i = 0; i < n; i++) {
     PetscReal d = (1 - s[i]) * L;
-    if (d >= PetscMin(zone, L) + (L - then)) {
+    if (d >= PetscMin(zone->length, L) + (L - then)) {
       from[i] = s[i] * L / then;
+      continue;
+    }
+    if (zone->even) {
+      from[i] = PetscMax(0, 1 - DepartEven(d, L, then, zone->length) / then);
       continue;
     }
     for (PetscInt k = 0; k < steps; k++) {
@@ -160,7 +189,8 @@ static PetscErrorCode DepartApical(Growth self, PetscReal t, PetscReal before, P
 }
 
 static PetscErrorCode CreateApical(Growth self) {
-  PetscReal *zone;
+  PetscInt profile;
+  Zone *zone;
 
   PetscFunctionBegin;
   PetscCall(CreateUniform(self));
@@ -169,13 +199,15 @@ static PetscErrorCode CreateApical(Growth self) {
   PetscCall(PetscNew(&zone));
   self->data = zone;
   self->destroy = GrowthDestroyData;
-  PetscCall(OptionReal("-growth_zone", zone, NULL));
+  PetscCall(OptionReal("-growth_zone", &zone->length, NULL));
+  PetscCall(OptionWord("-growth_profile", &profile, NULL));
+  zone->even = (PetscBool)(profile == 1);
   self->slide = SlideApical;
   self->speed = SpeedApical;
   self->strain = StrainApical;
   self->origin = OriginApical;
   self->depart = DepartApical;
-  self->finest = *zone;
+  self->finest = zone->length;
   self->rests = PETSC_TRUE;
   PetscFunctionReturn(0);
 }

@@ -109,6 +109,17 @@ def a_bell_of_growth_turns_its_tip():
 
 
 @check
+def an_even_zone_turns_its_tip_as_two_numbers_do():
+    """k of the zone is one number, k' = b sin(dir - theta) - G k, that of the base turns as k does: by a program for these."""
+    for options, exact in (("-tropism_gravity 4 -tropism_proprioception 2", 1.0353501749),
+                           ("-tropism_gravity 6 -tropism_proprioception 0.5 -tropism_memory 0.4", 1.7191528311)):
+        r = Run(f"{stiff()}{STRAIGHT}-growth_type apical -growth_profile even -growth_zone 1 -ts_max_time 1 -tropism_sensed tip {options} "
+                f"{toward(1.2)} -rod_cells 100 -ts_rtol 1e-6")
+        near(options, r.tip_angle[-1], exact, 5e-5)
+        expect(r.energy_defect[-1] < 1e-4, f"{options}: the balance of energy is off by {r.energy_defect[-1]:g}")
+
+
+@check
 def a_rod_at_rest_ends_in_the_direction_by_its_balance():
     """Sine, steady: tan(theta/2) falls as exp(-b s/G)."""
     r = Run(f"{stiff()}{STRAIGHT}-growth_type none -ts_max_time 40 -tropism_rate 1 -tropism_gravity 2 -tropism_proprioception 1 "
