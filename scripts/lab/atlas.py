@@ -22,9 +22,11 @@ from measure import (CORES, CRASHED, DECAY, GAVE_UP, HUNG, QUANTITIES, REFUSED, 
 from tendril.style import STYLE
 
 LIMIT, LIMIT_PEER = 15, 60  # seconds; the slowest cell of the default takes 3
+LIMIT_SENSING = 60          # a busy machine
 LIMIT_SPACE = 8             # cells of 100; that of the default 2
 FINER = "-rod_cells 1000 -ts_rtol 1e-8"
 FINER_SPACE = "-rod_cells 300 -ts_rtol 1e-7"
+FINER_SENSING = "-rod_cells 500 -ts_rtol 1e-7"
 FINER_EXACT = "-rod_cells 800 -ts_rtol 3e-8"
 FINER_CONTACT = "-rod_cells 800 -ts_rtol 1e-7|-rod_cells 800 -ts_rtol 3e-7"
 METHODS = {  # name: (solver, options)
@@ -157,6 +159,28 @@ BOUNDS = {  # label: (options, times)
 }
 
 
+SENSING = "growth that senses"
+SENSING_METHODS = ("default", "frame 2", "PETSc's bdf 5", "backward Euler, start extrapolated", "primal Newton", "backtracking", "MUMPS",
+                   "GMRES, ILU")
+ROOT_GROWS = "-growth_type apical -growth_zone 0.6 -growth_initial_length 1 -shape_type straight -friction_mu 0.5 -tropism_direction 0,-1 "
+SENSES = {  # label: (options, times)
+    "strong, at the tip": (f"{ROOT_GROWS}-tropism_gravity 30 -tropism_proprioception 3 -tropism_sensed tip", (0.5, 1)),
+    "strong, in each place": (f"{ROOT_GROWS}-tropism_gravity 30 -tropism_proprioception 3", (0.5, 1)),
+    "short memory": (f"{ROOT_GROWS}-tropism_gravity 4 -tropism_proprioception 2 -tropism_sensed tip -tropism_memory 0.003", (0.5, 1)),
+    "swings by itself": (f"{ROOT_GROWS}-tropism_gravity 33 -tropism_proprioception 0.5 -tropism_sensed tip -tropism_memory 1", (1, 2)),
+    "ironing 500": ("-growth_type uniform -growth_initial_length 1 -shape_type straight -friction_mu 0.5 -rod_weight 0,-0.05 "
+                    "-growth_ironing 500", (0.1, 0.2)),
+    "ironing 500, dry": (f"{ROOT_GROWS}-friction_mu 1 -tropism_gravity 4 -tropism_proprioception 2 -growth_ironing 500", (0.5, 1)),
+    "shoot, heavy": ("-growth_type uniform -growth_initial_length 1 -shape_type straight -friction_mu 0 -rod_weight 0,-0.3 "
+                     "-tropism_gravity 2 -tropism_direction 0,1 -tropism_proprioception 1", (1, 2)),
+    "fed": (f"{FED} -tropism_rate 1 -tropism_gravity 2 -tropism_direction 0,1 -tropism_proprioception 1", (1, 2)),
+    "meets itself": ("-growth_type apical -growth_zone 0.4 -growth_initial_length 0.5 -shape_type straight -friction_mu 0.5 "
+                     "-tropism_nutation 9 -tropism_proprioception 0.5 -growth_ironing 1 -contact_self -contact_diameter 0.1 "
+                     "-contact_friction 0.3 -contact_stiffness 1e5", (0.3, 0.6)),
+    "goes round": ("-options_file options/root-stone.opts -contact_stiffness 1e5", (1, 2)),
+}
+
+
 def scene(group, label, options, times, quantities=QUANTITIES):
     return group, Scene(label, options, times, finer=FINER, quantities=quantities)
 
@@ -214,6 +238,8 @@ def cells(quick):
                                     quantities=IN_SPACE)))
     for name, (options, times) in BOUNDS.items():
         result.append((BOUND, Scene(name, f"{options} -rod_cells 100", times, finer=FINER_SPACE, quantities=IN_SPACE)))
+    for name, (options, times) in SENSES.items():
+        result.append((SENSING, Scene(name, options, times, finer=FINER_SENSING)))
     result += exact_cells()
     return result[::4] if quick else result
 
@@ -262,6 +288,8 @@ def never(method, group):
         return method not in SPACE_METHODS
     if group == BOUND:
         return method not in BOUND_METHODS
+    if group == SENSING:
+        return method not in SENSING_METHODS
     if group in (WORLD, CONTACT):
         return METHODS[method][0] != "tendril"
     return "decay" in group and method in ("PyElastica", "paper's elements, step 0.002")
@@ -275,7 +303,7 @@ def cases(arguments):
     for group, where in cells(arguments.quick):
         for method in names:
             solver, options = METHODS[method]
-            limit = LIMIT_SPACE if group in (SPACE, BOUND) else LIMIT if solver == "tendril" else LIMIT_PEER
+            limit = LIMIT_SPACE if group in (SPACE, BOUND) else LIMIT_SENSING if group == SENSING else LIMIT if solver == "tendril" else LIMIT_PEER
             if not never(method, group):
                 result.append((method, group, where.name, Case(solver, where, options, limit)))
     if arguments.quick:
@@ -387,7 +415,7 @@ def draw_block(ax, found, methods):
 
 def draw_map(found, base):
     """Above, the cells, then those in space; below, the settings of some methods on one rod, and exact friction."""
-    rows = {SPACE: 1, BOUND: 1, **dict.fromkeys((*SETTINGS, EXACT), 2)}
+    rows = {SPACE: 1, BOUND: 1, SENSING: 1, **dict.fromkeys((*SETTINGS, EXACT), 2)}
     blocks = [sorted((f for f in found if rows.get(f[1], 0) == row), key=lambda f: f[1] == EXACT) for row in range(3)]
     blocks = [b for b in blocks if b]
     methods = [[m for m in METHODS if any(f[0] == m for f in b)] for b in blocks]
@@ -412,7 +440,7 @@ def draw_map(found, base):
 
 def draw_profile(found, base):
     """Share of cells solved right within tau times the time of the fastest right method there."""
-    grid = [f for f in found if f[1] not in (*SETTINGS, SPACE, BOUND, EXACT)]
+    grid = [f for f in found if f[1] not in (*SETTINGS, SPACE, BOUND, EXACT, SENSING)]
     fastest = {}
     for _, group, label, run in grid:
         if run["verdict"] == RIGHT_:

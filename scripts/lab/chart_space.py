@@ -6,7 +6,8 @@ docs/notes/chart-space.csv and docs/notes/chart-space.png.
 
 Scenes, each with an exact answer but the last: bend (45 degrees, Bathe), twisted (clamped at both ends, 27 turns), laid (a heavy rod
 lies down on a plane), capstan (a rope slides round a pillar), helix (a rod is pushed two turns along a helical duct; PyElastica, which
-has none, pulls a rope round a pillar along the same helix), injected (a rod in a lying tube, to lock-up; tendril
+has none, pulls a rope round a pillar along the same helix), root (in the plane: one that was turned by 90 degrees bends down as it grows, by a
+law that was written for PyElastica), injected (a rod in a lying tube, to lock-up; tendril
 alone, against its own finest run). What is not run again stays as the table has it. TENDRIL names the executable. Peers: scripts/lab/peers/setup.sh first. Seconds are of
 the loop alone, one core: tendril's of the clock or of the processor, whichever is less, the shortest of up to three runs; the
 peers' of the processor, once."""
@@ -43,12 +44,14 @@ METHODS = {"tendril": ("#0072B2", "o", "-"), "PyElastica": ("#666666", "d", ":")
            "Exudyn": ("#009E73", "^", "--")}
 TITLES = {"bend": "bend of 45°:\nplace of the tip", "twisted": "twisted by 27 turns:\nlargest angle",
           "laid": "laid down on a plane:\nshape", "capstan": "capstan:\nratio of tensions",
-          "helix": "helical capstan, two turns:\npush that comes out", "injected": "injected tube to lock-up:\nlength at six pushes"}
+          "helix": "helical capstan, two turns:\npush that comes out", "root": "root turned by 90°:\nangle of the tip",
+          "injected": "injected tube to lock-up:\nlength at six pushes"}
 # places of the tip over the radius: of a rod that neither stretches nor shears, and of Bathe's, which does
 KIRCHHOFF, REISSNER = ((0.471512944003, 0.156850781622, 0.534685984423), (0.471504385736, 0.156848005340, 0.534748787918))
 ANGLE = 47.65156384  # by shooting, as tests/scenes/space/space_test.py has it
 WEIGHT, HIGH, SEEN = 100.0, 0.1, 0.25
 PUSHES = 2.5, 3, 5, 10, 20, 40
+ROOT_ANGLE = 2 * math.atan(math.exp(-2)) - math.pi / 2  # tan of half the way to go falls by e^(-b growth)
 STEEP = 3**0.5 / 2  # the sine of 60 degrees
 TWO_TURNS, PUSHED_OUT = 4 * np.pi / STEEP, 0.562367828485  # of a radius of 1: Q = P - torsion^2 falls by e^(-mu curvature s)
 
@@ -184,6 +187,13 @@ def helix(options):
     return rope(pushed)
 
 
+def root_bends(options):
+    """(So short a rod that friction is nothing.)"""
+    return tendril("-growth_type uniform -growth_initial_length 0.002 -ts_max_time 0.002 -shape_type straight -friction_mu 0 "
+                   "-tropism_gravity 1000 -tropism_direction 0,-1 -tropism_proprioception 1 -tropism_sensed tip " + options,
+                   lambda f: abs(f["series/tip_angle"][-1] / ROOT_ANGLE - 1))
+
+
 def lengths_at_pushes(f):
     push, length = f["series/base_force_1"][:], f["series/length"][:]
     at = [np.argmax(push > P) for P in PUSHES]
@@ -200,13 +210,15 @@ def peer(name, scene, options):
     """{error, seconds, steps} of a run of scripts/lab/peers/NAME_space.py."""
     script = {"PyElastica": "pyelastica", "MuJoCo": "mujoco", "Exudyn": "exudyn"}[name]
     code, out, err, seconds = execute([os.environ.get("PEERS_PYTHON", str(ROOT / "results/peers/venv/bin/python")),
-                                       str(PEERS / f"{script}_space.py"), scene, *options.split()], 900)
+                                       *([str(PEERS / f"{script}_root.py")] if scene == "root" else
+                                         [str(PEERS / f"{script}_space.py"), scene]), *options.split()], 900)
     lines = [json.loads(line) for line in out.splitlines() if line.startswith("{")]
     if len(lines) < 2:
         return {"failed": (err.strip().splitlines() or ["no answer"])[-1][:80], "seconds": seconds, "steps": 0}
     found, cost = lines
     if not code:
-        cost["error"] = {"bend": lambda: bend_error(found["tip"], KIRCHHOFF if name == "MuJoCo" else REISSNER),
+        cost["error"] = {"root": lambda: abs(found["angle"] / ROOT_ANGLE - 1),
+                         "bend": lambda: bend_error(found["tip"], KIRCHHOFF if name == "MuJoCo" else REISSNER),
                          "twisted": lambda: abs(found["angle"] / ANGLE - 1),
                          "laid": lambda: laid_error(found["s"], found["x"]),
                          "capstan": lambda: capstan_error(found["phi"], found["tension"], found["drag"]),
@@ -236,10 +248,12 @@ SETTINGS = {
         (70, "1e5", "1e-4"), (100, "1e5", "1e-4"), (140, "1e5", "1e-4"), (200, "1e5", "1e-4"), (200, "3e5", "1e-5"),
         (320, "3e5", "1e-5"))],
     ("helix", "PyElastica"): [f"-elements {n}" for n in (50, 100, 200)],
+    ("root", "tendril"): [f"-rod_cells {n} -ts_rtol {r}" for n, r in ((4, "1e-2"), (4, "1e-4"), (6, "1e-6"), (12, "1e-8"))],
+    ("root", "PyElastica"): ["-elements 10", "-elements 20", "-elements 40 -dt 1e-4", "-elements 40 -dt 1e-4 -slow 160"],
     ("injected", "tendril"): [f"-rod_cells {n} -ts_rtol {r}" for n, r in (
         (100, "1e-4"), (100, "1e-5"), (150, "1e-5"), (200, "1e-5"), (300, "1e-5"), (500, "1e-5"))] + [FINEST],
 }
-OURS = {"bend": bend, "twisted": twisted, "laid": laid, "capstan": capstan, "helix": helix, "injected": injected}
+OURS = {"bend": bend, "twisted": twisted, "laid": laid, "capstan": capstan, "helix": helix, "root": root_bends, "injected": injected}
 
 
 def wanted(choice):
@@ -308,10 +322,10 @@ def draw_column(ax, rows, scene):
 
 
 def draw(rows, base):
-    """Three scenes a row; the legend below."""
+    """Four scenes a row; the legend below."""
     scenes = [s for s in TITLES if any(r["scene"] == s for r in rows)]
     with plt.rc_context(STYLE):
-        fig, axes = plt.subplots(2, 3, figsize=(7.4, 5.4))
+        fig, axes = plt.subplots(2, 4, figsize=(9.4, 5.4))
         for ax, scene in zip(axes.flat, scenes):
             draw_column(ax, rows, scene)
         for row in axes:

@@ -3,7 +3,7 @@
 each against three times its cells and a hundredth of its tolerance, where friction is exact behind a
 growth zone also against a beta far smaller than that which tolerance allows.
 
-    coverage.py EXE SEED COUNT [--kinds plain,wide,world,contact,hard,space,space-world,moving,linear,linear-world]
+    coverage.py EXE SEED COUNT [--kinds plain,wide,world,senses,yields,contact,hard,space,space-world,moving,linear,linear-world]
                 [--end 6] [--cells N] [--accuracy 1e-4] [--store FILE.csv]
 
 The true error is the largest relative one of tip, |x2| and energy from a hundredth of the run on (and
@@ -62,6 +62,8 @@ def moving_scene(draw, files):
 SCENES = {"plain": lambda draw, files: fuzz.plain_scene(draw, False),
           "wide": lambda draw, files: fuzz.plain_scene(draw, True),
           "world": lambda draw, files: fuzz.world_scene(draw, False, files),
+          "senses": lambda draw, files: fuzz.senses_scene(draw),
+          "yields": lambda draw, files: fuzz.senses_scene(draw, True),
           "contact": lambda draw, files: fuzz.contact_scene(draw, False, files),
           "hard": lambda draw, files: fuzz.hard_scene(draw, False, files),
           "space": lambda draw, files: fuzz.space_scene(draw, False, files),

@@ -69,6 +69,61 @@ def plain_scene(draw, wide, laws=("uniform", "uniform", "gaussian", "feed")):
     return o
 
 
+def senses_scene(draw, yields=False):
+    """Options by name: a rod whose material learns its natural curvature, by a few of all that it may go by, in the plane or in
+    space; yields: one in the plane whose growth feels force, and that may learn."""
+    o = {"growth_type": draw.choice(("uniform", "apical", "apical", "feed") if yields else
+                                    ("uniform", "gaussian", "apical", "apical", "feed", "none"))}
+    if o["growth_type"] == "apical":
+        o["growth_zone"] = draw.between(.2, 1.5)
+    if o["growth_type"] == "gaussian":
+        o["growth_width"] = draw.between(.1, 2)
+    o["growth_initial_length"] = draw.over_decades(.3, 3)
+    o["friction_mu"] = draw.choice([0, 1, round(draw.random(), 3)])
+    if draw.happens(.2) and o["friction_mu"]:
+        o["friction_beta"] = draw.choice([0, draw.over_decades(1e-6, 1e-2)])
+    o.update(draw.choice([{"shape_type": "straight"}, {"shape_type": "sag", "shape_amplitude": draw.over_decades(1e-3, 1)}]))
+    space = not yields and draw.happens(.4)
+    if yields:
+        o["growth_yield"] = draw.over_decades(.4, 8)
+        if draw.happens(.5):
+            o["tip_force"], o["tip_law"] = draw.over_decades(.02, .5), draw.choice(["dead", "resistance"])
+    if not yields or draw.happens(.6):
+        what_is_learned(draw, o, space)
+    if draw.happens(.3):
+        o["rod_weight"] = f"0,{-draw.over_decades(.02, .5)}" + (f",{draw.between(-.2, .2)}" if space else "")
+    o["rod_model"] = "space" if space else "frame"
+    o["ts_max_time"] = draw.over_decades(.5, 4)
+    return o
+
+
+def what_is_learned(draw, o, space):
+    """What a material goes by."""
+    still = o["growth_type"] in ("feed", "none")
+    if still:
+        o["tropism_rate"] = draw.over_decades(.2, 2)
+    third = f",{draw.between(-1, 1)}" if space else ""
+    senses = draw.choice(["gravity", "gravity", "light", "both", "none"])
+    if senses in ("gravity", "both"):
+        o["tropism_gravity"] = draw.over_decades(.2, 6)
+        o["tropism_direction"] = f"{draw.between(-1, 1)},{draw.between(-1, 1)}{third}"
+    if senses in ("light", "both"):
+        o["tropism_light"] = draw.over_decades(.2, 4)
+        o["tropism_source"] = f"{draw.between(20, 40)},{draw.between(-30, 30)}{third}"
+    if senses != "none":
+        o["tropism_sensed"] = draw.choice(["local", "tip"])
+        if draw.happens(.4):
+            o["tropism_memory"] = draw.over_decades(.05, 1)
+    if senses == "none" or draw.happens(.25):
+        o["tropism_nutation"], o["tropism_nutation_rate"] = draw.over_decades(.2, 3), draw.between(-6, 6)
+        if space:
+            o["tropism_nutation_2"] = o["tropism_nutation"]
+    if draw.happens(.8):
+        o["tropism_proprioception"] = draw.over_decades(.2, 5)
+    if draw.happens(.3):
+        o["growth_ironing"] = draw.over_decades(.5, 50)
+
+
 def write(path, **arrays):
     with h5py.File(path, "w") as file:
         for name, values in arrays.items():

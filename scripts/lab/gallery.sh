@@ -51,6 +51,12 @@ for file in options/*.opts; do
     files=(results/tube-flat.h5 "${files[@]}")
     what=(--panels shapes,side --times 5,10,16 --titles "clamped on the table,clamped above it")
     ;;
+  root-stalls) # beside the root whose growth is given
+    sed '/^-growth_yield/d' "$file" >results/root-grows.opts
+    build/tendril -quiet -options_file results/root-grows.opts -ts_max_time 6.5 -output results/root-grows.h5
+    files=(results/root-grows.h5 "${files[@]}")
+    what=(--panels shapes,length --times 1,3,5,6.4 --titles "growth is given,growth feels force")
+    ;;
   root-helix | vine-heavy) what=(--panels space,shapes,curvature,twisting) ;;
   wire-spun | rod-bent) what=(--panels space,norm,curvature,twisting) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
@@ -59,6 +65,15 @@ for file in options/*.opts; do
   catheter-steered) what=(--panels shapes,force --times 3.5,5,7.5,10,16) ;;
   vine-steered) what=(--panels shapes,curvature,power --times 4,8,12,15) ;;
   root-gravity) what=(--panels shapes,tip_angle --times 0h,4h,8h,12h,24h) ;;
+  root-waving) # beside one on a plate that is nearly upright, and one that is twisted by nature
+    build/tendril -quiet -options_file "$file" -tropism_direction 0.966,0,-0.259 -output results/root-upright.h5
+    build/tendril -quiet -options_file "$file" -rod_twist 0.5/mm -output results/root-skewed.h5
+    files=(results/root-upright.h5 "${files[@]}" results/root-skewed.h5)
+    what=(--panels shapes --times 24h,48h --titles "tilted by 15°,by 45°,by 45° and twisted by nature")
+    ;;
+  root-stone) what=(--panels shapes,bends --times 0.6,1,1.5,4) ;;
+  tendril-post) what=(--panels space,portrait --times 3,8 --view 30,15) ;;
+  shoot-light) what=(--panels shapes,bends,growth,portrait --times 0,1,2,3) ;;
   shoot-*) what=(--panels shapes,curvature --times 0,0.5,1,2,3) ;;
   vine-corners) what=(--panels shapes --times 3,5,7,9) ;;
   esac

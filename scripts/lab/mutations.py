@@ -152,7 +152,7 @@ MUTATIONS = [
     ("the last step, of a run that goes on", C, "PetscMin(left, end - ts->ptime)", "left"),
     ("contact never gets firm", "rod/ask.c", "    if (ContactGetsFirm(contact, deepest)) *firm = PETSC_TRUE;", "    (void)deepest;"),
     # -- what snaps and sticking need of friction
-    ("next to exact, never", "scene/scene.c", "if (self->growth->rests) LoadNextToExact(&self->load);", ""),
+    ("next to exact, never", "scene/scene.c", "if (self->growth->rests || self->growth->yield > 0) LoadNextToExact(&self->load);", ""),
     ("told from rest, nothing", "world/load.c", "if (load->limit) load->friction.beta = PetscMax", "if (0) load->friction.beta = PetscMax"),
     # -- contact: where it sets in, and what a rod without a thickness is behind
     ("part_smooth, little", "world/contact.c", "part_smooth = 2;", "part_smooth = 0.2;"),

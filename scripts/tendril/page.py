@@ -29,6 +29,7 @@ from .style import COLOURS
 from .surroundings import axial_force, friction, pressed, size_of
 from .titles import titles_of
 from .units import add_choice_of_units, in_laboratory, in_laboratory_of, laboratory_units
+from .senses import lamp
 from .walls import outlines, parse
 
 WEB = Path(__file__).resolve().parent / "web"
@@ -39,7 +40,7 @@ CHARTS = (
     ("deflection", ("norm_x2", "norm_x3"), True),
     ("energy", ("energy", "energy_twist", "contact_energy"), False),
     ("power", ("growth_power", "dissipation", "tip_power", "clamp_power", "weight_power", "wall_power",
-               "curvature_power"), False),
+               "curvature_power", "tropism_power"), False),
     ("force at the clamp", ("base_force_1", "base_force_2", "base_force_3", "feed_force"), False),
     ("moment at the clamp", ("base_moment_1", "base_moment_2", "base_moment_3"), False),
     ("force on the tip", ("tip_force_1", "tip_force_2", "tip_force_3"), False),
@@ -48,6 +49,7 @@ CHARTS = (
     ("weight", ("weight_force_1", "weight_force_2", "weight_force_3"), False),
     ("speed", ("tip_speed", "mid_speed"), False),
     ("tip", ("tip_x1", "tip_x2", "tip_x3"), False),
+    ("angles", ("tip_angle", "natural_angle", "natural_angle_2", "natural_bend"), False),
     ("turns", ("link", "writhe"), False),
     ("crossings, inflections", ("self_crossings", "inflections"), False),
     ("energy defect", ("energy_defect",), True),
@@ -110,6 +112,7 @@ def run_of(r, title, colour, shapes, units):
             {part: [np.ravel(line).tolist() for line in lines] for part, lines in zip(("body", "lines"), drawn)}
             | {"motion": {what: numbers.tolist() for what, numbers in wall.motion.items()} or None}
             for wall, drawn in zip(parse(r.attributes.get("walls")), outlines(r))],
+        "lamp": None if r.in_space or lamp(r, 2) is None else lamp(r, 2).tolist(),
         "diameter": r.diameter,
     }
 

@@ -169,8 +169,8 @@ def furnish(axes, low, high, up, view, label):
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     sides = np.subtract(high, low)
     seen = sides * np.sqrt(1 - towards(up, view) ** 2)  # an axis that points at the eye is seen short
+    look(axes, up, view)  # (the library takes the sides for those that the present vertical axis says)
     axes.set_box_aspect(sides / sides.max(), zoom=1.0)
-    look(axes, up, view)
     axes.computed_zorder = False
     axes.set_anchor("W")  # so that letters of panels stay in line
     axes.patch.set_alpha(0)

@@ -26,26 +26,29 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import RendererAgg
-from matplotlib.colors import to_rgb
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
 
 from . import plot_stability
+from .bends import bends_of
 from .command import Parser
 from .errors import ResultsError, arguments
 from .loading import load, runs_of
 from .naming import did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results
+from .senses import strain_rate
 from .solids import solids
 from .spatial import diameter_of, lift, out_of_plane, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
 from .surroundings import arc_length, contact_force, size_of
 from .titles import titles_of
 from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment, scale_of
-from .walls import draw_contact, draw_rod, draw_walls, strongest_contact
+from .walls import draw_contact, draw_lamp, draw_rod, draw_walls, strongest_contact
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -214,8 +217,9 @@ def panel_power(ax, r, view):
     if any(np.abs(run.series.get("tip_power", 0)).max() > 1e-4 * run.series.growth_power.max()
            for run in view.results):
         lines.append(("tip_power", "tip", GREEN, ":"))
-    if any("curvature_power" in run.series for run in view.results):
-        lines.append(("curvature_power", "steering", RED, "-."))
+    for name, text in (("curvature_power", "steering"), ("tropism_power", "bending itself")):
+        if any(name in run.series for run in view.results):
+            lines.append((name, text, RED, "-."))
     curves("N l V", "power", *lines)(ax, r, view)
 
 
@@ -260,6 +264,8 @@ def panel_shapes(ax, r, view):
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, :2], unit, **look))
     if not r.in_space:
         draw_walls(ax, r, unit, t=max(view.times_of(r), default=0.0))  # what moves: at the last of the times
+    else:
+        draw_lamp(ax, r, (0, 1), unit)
     axes_of_place(ax, view)
 
 
@@ -268,6 +274,7 @@ def panel_side(ax, r, view):
     unit = view.of(r).of("length", 1.0)
     in_space("side", r)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, ::2], unit, **look))
+    draw_lamp(ax, r, (0, 2), unit)
     axes_of_place(ax, view, "$x_3$")
 
 
@@ -276,6 +283,7 @@ def panel_front(ax, r, view):
     unit = view.of(r).of("length", 1.0)
     in_space("front", r)
     draw_shapes(ax, r, view, lambda shape, **look: draw_rod(ax, r, shape.x[:, 1:], unit, **look))
+    draw_lamp(ax, r, (1, 2), unit)
     ax.set_xlabel(view.of(r).label("$x_2$", "length"))
     ax.set_ylabel(view.of(r).label("$x_3$", "length"))
 
@@ -328,6 +336,58 @@ def along_rod(field, label, unit):
     return panel
 
 
+def panel_bends(ax, r, view):
+    """At the times asked for: the bend along the rod, that which it has by nature, and that at which it would learn no more."""
+    times = view.times_of(r)
+    factor, unit = view.of(r).unit("1/l")
+    shades = plt.get_cmap("viridis")(np.linspace(0, 0.88, len(view.times or times)))
+    for t, shade in zip(times, shades):
+        shape = r.at(t, nearest=True)
+        label = f"${view.of(r).of('time', shape.t):.4g}$"
+        for _, style, bend in bends_of(r, shape):
+            ax.plot(view.of(r).of("length", arc_length(shape)), factor * bend, linestyle=style, color=view.colour(r, shade),
+                    label=label)
+    shown = {"-": "line", "--": "dashed", ":": "dotted"}
+    told = ", ".join(f"{name} ({shown[style]})" for name, style, _ in bends_of(r, r.stored(0)))
+    ax.set_xlabel(view.of(r).label("distance from the clamp, along the rod", "length"))
+    ax.set_ylabel(told + (f" ({unit})" if unit else ""), fontsize=7)
+
+
+def panel_growth(ax, r, view):
+    """The rod at the times asked for, darker where it grows faster."""
+    unit, times = view.of(r).of("length", 1.0), view.times_of(r)
+    shapes = [r.at(t, nearest=True) for t in times]
+    rates = [strain_rate(r, shape) for shape in shapes]
+    most = max((rate.max() for rate in rates), default=0) or 1
+    name = view.units.scales["time"][1]
+    for shape, rate in zip(shapes, rates):
+        x, rate = unit * shape.x[:, :2], (rate[1:] + rate[:-1]) / 2
+        grows = rate > 0.01 * most
+        draw_rod(ax, r, shape.x[:, :2], unit, color=GREY, label=f"${view.of(r).of('time', shape.t):.4g}$")
+        ax.add_collection(LineCollection(np.stack([x[:-1], x[1:]], axis=1)[grows], array=rate[grows], cmap="YlGn",
+                                         norm=Normalize(0, most), linewidths=2.4, zorder=3))
+    ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=4)
+    draw_lamp(ax, r, (0, 1), unit)
+    axes_of_place(ax, view)
+    ax.set_xlabel(f"{ax.get_xlabel()}; darkest: grows by {briefly(most / view.second(r))}" + (f" 1/{name}" if name else ""))
+
+
+def panel_portrait(ax, r, view):
+    """The phase portrait of the tip: its angle and how fast that changes; in space where it points."""
+    if r.in_space:
+        ax.plot(r.shapes["d1"][:, -1, 1], r.shapes["d1"][:, -1, 2], color=view.colour(r, BLUE))
+        ends = r.shapes["d1"][[0, -1], -1, 1:].T
+        ax.set(xlabel="tip points along $x_2$", ylabel="along $x_3$")
+    else:
+        angle = r.series.tip_angle
+        turns = np.gradient(angle, view.of(r).of("time", r.series.t))
+        ax.plot(angle, turns, color=view.colour(r, BLUE))
+        ends = np.array([angle, turns])[:, [0, -1]]
+        ax.set(xlabel="angle of the tip", ylabel=view.of(r).label("turns by", "time").replace(" (", " (1/"))
+    for (x, y), fill in zip(ends.T, ("white", view.colour(r, BLUE))):  # its begin is open
+        ax.plot(x, y, "o", ms=4, color=view.colour(r, BLUE), mfc=fill)
+
+
 def panel_energy(ax, r, view):
     """Of a rod in space with the part of twist."""
     whole = ("energy", "all" if r.in_space else "bending", BLUE, "-")
@@ -378,6 +438,9 @@ PANELS = {
     "defect": panel_defect,
     "errors": panel_errors,
     "touch": panel_touch,
+    "bends": panel_bends,
+    "growth": panel_growth,
+    "portrait": panel_portrait,
     "curvature": along_rod(lambda r, shape: shape.curvature, r"curvature $\kappa$", "1/l"),
     "twisting": along_rod(lambda r, shape: lift(r, shape).strain[:, 0], "twist $u_1$", "1/l"),
     "pressure": along_rod(lambda r, shape: size_of(contact_force(r, shape)), "force of contact per length", "N"),
@@ -387,9 +450,10 @@ PANELS = {
 FIRST = ("shapes", "norm", "force", "energy")  # what is drawn if nothing is asked for
 OF_SPACE = ("space", "norm", "curvature", "twisting")  # ... of rods in space
 OF_CONTACT = ("touch", "pressure", "contact")  # of all of them drawn only if there is contact
+OF_SENSES = ("bends", "growth", "portrait")  # ... only of rods whose material bends itself
 ONLY_IN_SPACE = ("side", "front", "space", "twisting")  # ... only of rods in space
-SHAPES = ("shapes", "side", "front", "normalised", "touch")  # drawn with equal aspect
-TIMED = (*SHAPES, "space", "curvature", "twisting", "pressure")  # with times for a legend
+SHAPES = ("shapes", "side", "front", "normalised", "touch", "growth")  # drawn with equal aspect
+TIMED = (*SHAPES, "space", "bends", "curvature", "twisting", "pressure")  # with times for a legend
 __doc__ = __doc__.format(panels=", ".join(PANELS))
 
 
@@ -715,6 +779,7 @@ def panels_of(asked, runs):
         touch = any("contact" in r.shapes for r in runs)
         return [name for name in PANELS
                 if (touch or name not in OF_CONTACT)
+                and (name not in OF_SENSES or all("tropism_power" in r.series for r in runs))
                 and (name not in ONLY_IN_SPACE or all(r.in_space for r in runs))
                 and (name != "touch" or not any(r.in_space for r in runs))]
     first = OF_SPACE if all(r.in_space for r in runs) else FIRST

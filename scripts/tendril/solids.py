@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 from .results import Results
+from .senses import lamp
 from .spatial import carried, slopes
 from .units import METRES
 from .walls import conduit, ends_of, parse, ring_of
@@ -50,12 +51,16 @@ class Surface:
 
 
 def solids(r: Results) -> list[Surface]:
-    """The surfaces around a run, as far as they are near to where the rod ever is."""
+    """The surfaces around a run, as far as they are near to where the rod ever is, and its lamp as a small ball."""
     text = str(r.attributes.get("walls", "") or "")
     x = r.shapes.x.reshape(-1, r.shapes.x.shape[-1])
     x = np.column_stack([x, np.zeros((len(x), 3 - x.shape[1]))])
     reach = Reach(np.minimum(x.min(axis=0), 0), np.maximum(x.max(axis=0), 0))
-    return [surface for line in text.splitlines() if line.split() for surface in drawn(line, r, reach)]
+    found = [surface for line in text.splitlines() if line.split() for surface in drawn(line, r, reach)]
+    at = lamp(r, 3)
+    if at is not None:
+        found += of_numbers(" ".join(["sphere", *map(str, at), str(0.03 * reach.size), "outside"]), reach)
+    return found
 
 
 @dataclass

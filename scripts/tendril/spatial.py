@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from .results import Results, Shape
+from .senses import number, strain_rate
 from .surroundings import axial_force, contact_force, weight
 
 # name -> (what it is, its unit, whether it has a sign); the parts of vectors are about the directors
@@ -21,6 +22,7 @@ FIELDS = {
     "twisting_moment": ("twisting moment", "N l^2", True),
     "shear": ("force across the rod", "N l", False),
     "contact": ("force of contact per length", "N", False),
+    "growth": ("rate of growth", "V/l", False),
 }
 VISIBLE = 0.012  # of the extent: the diameter that a rod without one is shown with
 
@@ -49,6 +51,8 @@ def fields_of(r: Results, shape: Shape) -> dict[str, np.ndarray]:
             shape.moment - found["twisting_moment"][:, None] * shape.d1, axis=1)
     if "contact" in r.shapes:
         found["contact"] = np.linalg.norm(contact_force(r, shape), axis=1)
+    if number(r, "growth_zone") or number(r, "tropism_gravity") or number(r, "tropism_light"):
+        found["growth"] = strain_rate(r, shape)
     return {name: found[name] for name in FIELDS if name in found}
 
 

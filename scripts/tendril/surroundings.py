@@ -33,12 +33,18 @@ def contact_force(r: Results, shape: Shape) -> np.ndarray:
     return np.pad(force, ((0, 0), (0, shape.x.shape[1] - force.shape[1])))  # of a rod in the plane shown in space
 
 
-def weight(r: Results, axes: int) -> np.ndarray:
-    """[axes], the rod's weight per unit length in the laboratory, 0 if it has none."""
-    given = [quantity(part) for part in str(r.attributes.get("parameters/rod_weight", "") or "0").split(",")]
-    found = [number * in_si(unit) * r.scale("length") / r.scale("force") if unit else number
+def vector_of(r: Results, name: str, axes: int, *units: str) -> np.ndarray:
+    """[axes], an option that is a vector in the laboratory, 0 if it was not given; its unit is the first of the file's
+    over the others."""
+    given = [quantity(part) for part in str(r.attributes.get(f"parameters/{name}", "") or "0").split(",")]
+    found = [number * in_si(unit) * np.prod([r.scale(kind) for kind in units[1:]]) / r.scale(units[0]) if unit else number
              for number, unit in given]
     return np.array([*found, 0, 0][:axes])
+
+
+def weight(r: Results, axes: int) -> np.ndarray:
+    """[axes], the rod's weight per unit length in the laboratory, 0 if it has none."""
+    return vector_of(r, "rod_weight", axes, "force", "length")
 
 
 def pieces_of(r: Results, shape: Shape, pieces: int) -> np.ndarray:

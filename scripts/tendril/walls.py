@@ -20,6 +20,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from .courses import motion_of
+from .senses import lamp
 from .surroundings import pressed
 
 ARROWS = 40  # of contact along the rod, at most
@@ -244,9 +245,18 @@ def outlines(r) -> list[tuple[list[np.ndarray], list[np.ndarray]]]:
     return found
 
 
+def draw_lamp(ax, r, axes, scale=1.0):
+    """Draws the lamp of a run, if it has one, seen along the axis that is not among these two."""
+    at = lamp(r, 3)
+    if at is not None:
+        ax.plot(*(scale * at[list(axes)]), marker="*", ms=9, mfc="#F0C000", mec="#8A6D00", mew=0.6, ls="", zorder=4)
+
+
 def draw_walls(ax, r, scale=1.0, room=True, t=0.0):
-    """Draws the walls of a run, where they are at a time, behind all else, and makes room for those the rod is within.
-    scale: what a unit of length is in the picture. Returns what draws them, whose .walls may be set; None if there are none."""
+    """Draws the walls of a run, where they are at a time, behind all else, and makes room for those the rod is within; and
+    its lamp. scale: what a unit of length is in the picture. Returns what draws the walls, whose .walls may be set; None if
+    there are none."""
+    draw_lamp(ax, r, (0, 1), scale)
     walls = walls_of(r, t)
     if not walls:
         return None

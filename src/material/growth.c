@@ -9,6 +9,9 @@ static const OptionRow rows[] = {
              "a, width in s of the growth zone at the clamp (gaussian)"),
     ROW_REAL("-growth_zone", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
              "length of the growth zone behind the tip (apical)"),
+    ROW_REAL("-growth_yield", "", 1e-6, 1e6, UNIT_FORCE, 0,
+             "Pi, the thrust at which growth stalls: it is slower by 1 - thrust/Pi, and faster "
+             "under tension (uniform, apical, feed); off unless given"),
     ROW_WORD("-growth_profile", "bell", "bell,even", 0,
              "how growth is shared out in the zone (apical): as a bell, or all alike"),
     ROW_TEXT("-growth_path", INPUT_FILE,
@@ -379,6 +382,7 @@ PetscErrorCode GrowthCreate(Growth *growth) {
   PetscCall(GrowthPathGiven(self, &by_path));
   PetscCall(laws[choice].create(self));
   if (by_path) PetscCall(GrowthFeedByPath(self));
+  PetscCall(GrowthYields(self));
   PetscFunctionReturn(0);
 }
 

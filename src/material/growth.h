@@ -20,6 +20,7 @@ struct _Growth {
   PetscReal narrow;         /* width in s of a growth zone at the clamp; 0: there is none */
   PetscReal steep;          /* least s over which a table's g changes by itself; 0: no table */
   PetscReal fastest;        /* speed of a rod that is fed by a schedule; 0: there is none */
+  PetscReal yield; /* Pi, the thrust that stalls it: growth_yield.c; 0: it feels no force */
   PetscErrorCode (*stretch)(Growth, PetscReal s, PetscReal t, PetscReal *g, PetscReal *g_t,
                             PetscReal *g_s);
   PetscErrorCode (*arc)(Growth, PetscReal s, PetscReal t, PetscReal *p, PetscReal *p_t);
@@ -61,6 +62,16 @@ PetscErrorCode GrowthCreateTable(Growth growth);
 PetscErrorCode GrowthPathGiven(Growth growth, PetscBool *given);
 PetscErrorCode GrowthFeedByPath(Growth growth);
 PetscErrorCode GrowthFeedOn(Growth growth, PetscReal t, PetscReal speed);
+
+/* growth that feels force: what a model finds of it */
+PetscErrorCode GrowthYields(Growth growth);
+PetscErrorCode GrowthYieldSee(Growth growth, PetscReal t, PetscInt n, const PetscReal s[],
+                              PetscReal length, const PetscReal V[], const PetscReal V_s[]);
+PetscErrorCode GrowthYieldKeep(Growth growth, PetscInt m, const PetscReal times[],
+                               const PetscReal length[], PetscInt n, const PetscReal s[],
+                               const PetscReal V[]);
+PetscReal GrowthYieldWeight(Growth growth, PetscReal s, PetscReal length, PetscReal *by_length);
+PetscReal GrowthYieldInflow(Growth growth);
 
 /* Convective speed of the material along the rod: v = x_t + c q. */
 static inline PetscReal GrowthSlide(Growth growth, PetscReal s, PetscReal t) {

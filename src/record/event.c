@@ -15,11 +15,15 @@ static const OptionRow rows[] = {
         "ends the run when an angle against the clamp reaches this, radians; off unless given"),
     ROW_REAL("-stop_force", "", 0, 1e9, UNIT_FORCE, EVENT,
              "ends the run when the rod is pushed by this force along itself, anywhere: -n.q; off "
-             "unless given")};
+             "unless given"),
+    ROW_REAL(
+        "-stop_stall", "", 0, 1, UNIT_NONE, EVENT,
+        "ends the run when growth that feels force (-growth_yield) is slowed down to this part "
+        "of its speed without; off unless given")};
 const OptionGroup event_options = OPTION_GROUP("Events", rows);
 
-const char *const event_name[EVENT_KINDS] = {"none",  "self_contact", "length",
-                                             "angle", "contact",      "force"};
+const char *const event_name[EVENT_KINDS] = {"none",    "self_contact", "length", "angle",
+                                             "contact", "force",        "stall"};
 
 /* WatchSetFromOptions - reads and checks which events end the run. */
 PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene) {
@@ -42,6 +46,9 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene) {
             OptionBoth(length, UNIT_LENGTH, text));
   PetscCall(OptionReal("-stop_angle", &watch->bound[EVENT_ANGLE], &watch->watched[EVENT_ANGLE]));
   PetscCall(OptionReal("-stop_force", &watch->bound[EVENT_FORCE], &watch->watched[EVENT_FORCE]));
+  PetscCall(OptionReal("-stop_stall", &watch->bound[EVENT_STALL], &watch->watched[EVENT_STALL]));
+  UserCheck(!watch->watched[EVENT_STALL] || scene->growth->yield > 0, OptionsComm(),
+            "-stop_stall: this growth feels no force, and never stalls; give -growth_yield");
   PetscCall(OptionBool("-stop_contact", &watch->watched[EVENT_CONTACT], NULL));
   UserCheck(!watch->watched[EVENT_CONTACT] || scene->contact.any, OptionsComm(),
             "-stop_contact: there is nothing to touch; give -wall_file, or -contact_self");
@@ -209,7 +216,7 @@ PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, Pet
   PetscInt n;
   const PetscReal *s = SceneLabels(scene, &n);
   const PetscInt last = n - 1;
-  PetscReal length;
+  PetscReal length, rate;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(event, sizeof(*event)));
@@ -225,9 +232,12 @@ PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, Pet
     LookForPush(scene, nodes, watch->bound[EVENT_FORCE], event);
   if (watch->watched[EVENT_CONTACT] && !event->kind)
     PetscCall(LookForContact(observer, scene, t, nodes, event));
-  PetscCall(SceneLength(scene, t, &length));
-  if (watch->watched[EVENT_LENGTH] && !event->kind && length >= watch->bound[EVENT_LENGTH]) {
+  PetscCall(GrowthLength(scene->growth, t, &length, &rate));
+  if (watch->watched[EVENT_LENGTH] && !event->kind && length >= watch->bound[EVENT_LENGTH])
     event->kind = EVENT_LENGTH;
+  if (watch->watched[EVENT_STALL] && !event->kind && rate <= watch->bound[EVENT_STALL])
+    event->kind = EVENT_STALL;
+  if (event->kind == EVENT_LENGTH || event->kind == EVENT_STALL) {
     event->s[0] = event->s[1] = 1;
     PlaceOf(scene, &nodes[last], event->x);
   }

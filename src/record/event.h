@@ -1,6 +1,6 @@
-/* Events that end a run: a length, an angle, a push, the first contact, or that of a rod that may
-   cross itself. Here is what they are and where on the
-   rod; the time stepping locates them in time. */
+/* Events that end a run: a length, an angle, a push, a stall, the first contact, or that of a rod
+   that may cross itself. Here is what they are and where on the rod; the time stepping locates them
+   in time. */
 #ifndef TENDRIL_EVENT_H
 #define TENDRIL_EVENT_H
 
@@ -13,6 +13,7 @@ typedef enum {
   EVENT_ANGLE,
   EVENT_CONTACT,
   EVENT_FORCE,
+  EVENT_STALL,
   EVENT_KINDS
 } EventKind;
 extern const char *const event_name[EVENT_KINDS];
@@ -20,7 +21,7 @@ extern const char *const event_name[EVENT_KINDS];
 /* What to watch for. */
 typedef struct {
   PetscBool watched[EVENT_KINDS], any;
-  PetscReal bound[EVENT_KINDS]; /* diameter, length, angle, force */
+  PetscReal bound[EVENT_KINDS]; /* diameter, length, angle, force, speed */
 } Watch;
 
 /* What happened: s the one or two labels concerned, x the place (in the clamp's frame). */

@@ -203,6 +203,10 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
   const PetscReal(*couple)[3]; /* (none in the plane) */
 
   PetscFunctionBegin;
+  if (frame->yields) {
+    frame->time = PETSC_MIN_REAL; /* laws are those of the state */
+    PetscCall(FrameYieldSee(rod, at->t, at->U));
+  }
   PetscCall(LawsAt(rod, at->t));
   PetscCall(SceneContactAt(rod->scene, at->t));
   PetscCall(PetscMemzero(cell, sizeof(*cell)));
@@ -214,6 +218,7 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
   cell->s = rod->scene->mesh.s;
   if (rod->learned) {
     PetscCall(FrameLearnedOpen(rod, at));
+    if (frame->yields) FrameYieldLaws(rod);
     cell->u = (const PetscReal(*)[FIELDS])rod->learned->u + 1 - rod->first;
     cell->u_t = (const PetscReal(*)[FIELDS])rod->learned->u_t + 1 - rod->first;
   } else {
@@ -327,6 +332,8 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
     if (rod->learned) FrameLearnedResidual(rod, i, cell.h, cell.a, cell.mid, cell.b);
     CellResidual(frame, &cell, cell.u[i], cell.u[i + 1],
                  frame->feet ? (const PetscReal(*)[FOOT_LOAD])frame->feet[i - first + 1] : NULL, r);
+    if (frame->yields) FrameYieldResidual(rod, i, cell.h, cell.a, cell.mid, cell.b);
+    if (frame->yields && i == 0) FrameYieldEnds(rod, 0, cell.a);
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
     if (i + 1 < end) PetscCall(PetscArraycpy(&F_[i + 1][X1], &r[X1], 3));
   }
@@ -337,6 +344,7 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
     for (int d = 0; d < 2 && cell.push && rod->scene->tip.type == TIP_FREE; d++)
       F_[rod->last][N1 + d] -= cell.push[2 * rod->last + 1][d];
     if (rod->learned) FrameLearnedResidual(rod, rod->last, 0, cell.b, NULL, NULL);
+    if (frame->yields) FrameYieldEnds(rod, rod->last, cell.b);
   }
   if (rod->learned)
     PetscCall(LearnedFilled(rod, F));
@@ -530,6 +538,70 @@ static void TipBlock(const Cell *cell, const Point *end, const PetscReal shift[]
               TipDual(rod), by);
 }
 
+/* CellBlocks(), of a rod whose growth feels force; slopes are new but that at a. */
+static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal shift[],
+                        PetscReal left[YIELD_FIELDS][YIELD_FIELDS],
+                        PetscReal right[YIELD_FIELDS][YIELD_FIELDS], LearnedCell *learned) {
+  const Frame *frame = (const Frame *)cell->rod->data;
+  PetscReal still[YIELD_FIELDS] = {[FIELDS] = shift[FIELDS], shift[FIELDS + 1]};
+  YieldCell of = {.place = 2 * (i - cell->rod->first + 1),
+                  .tip = (PetscBool)(i + 1 == cell->rod->last),
+                  .h = cell->h,
+                  .bow = frame->bow * cell->h,
+                  .shift = {shift, ShiftsAt(cell, i + 1, shift, still)},
+                  .law = cell->law,
+                  .at = {cell->a, cell->mid, cell->b}};
+
+  for (int e = 0; e < 2; e++) of.turn[e] = cell->u_t[i + e][TH];
+  if (!new_a) cell->slope[0] = cell->slope[2]; /* (each slope is brought up to the state once) */
+  for (int k = new_a ? 0 : 1; k < 3; k++) Linearise(cell, k, of.at[k]);
+  for (int k = 0; k < 3; k++) of.slope[k] = &cell->slope[k];
+  FrameLearnedResidual(cell->rod, i, cell->h, cell->a, cell->mid, cell->b); /* what drives it */
+  FrameYieldCell(cell->rod, &of, left, right, learned);
+  FrameLearnedSlopes(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, PETSC_TRUE, PETSC_TRUE,
+                     learned);
+}
+
+/* The Jacobian of that. */
+static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
+  const PetscInt begin = PetscMax(rod->first - 1, 0);
+  PetscReal left[YIELD_FIELDS][YIELD_FIELDS], right[YIELD_FIELDS][YIELD_FIELDS],
+      end[LINE_HALF + 1][YIELD_FIELDS], by[TIP_ROWS][FIELDS], *room;
+  LearnedCell learned;
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(8 * PetscSqr(rod->model->fields), &room));
+  PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
+  for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
+    CellsNext(&cell, i);
+    PetscCall(PetscMemzero(end, sizeof(end)));
+    for (int f = X1; f <= TH; f++) end[f][OfClamp(rod, f)] = 1;
+    FrameYieldBegin(rod, cell.a, end[LINE_HALF]);
+    YieldBlocks(&cell, i, (PetscBool)(i == begin), at->shift, left, right, &learned);
+    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedRows(rod, i, &learned, at->shift);
+    PetscCall(LearnedMatrix(rod, i, i == 0 ? end[0] : NULL, &learned, left[0], right[0],
+                            &learned.slope[0], learned.clock[0][0], NULL, room, J));
+  }
+  if (rod->end > rod->last) {
+    FrameLearnedResidual(rod, rod->last, 0, cell.b, NULL, NULL);
+    TipBlock(&cell, cell.b, at->shift, by);
+    PetscCall(PetscMemzero(end, sizeof(end)));
+    for (int r = 0; r < TIP_ROWS; r++) PetscCall(PetscArraycpy(end[r], by[r], FIELDS));
+    FrameYieldEnd(at->shift, end[LINE_HALF]);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
+    LearnedSignalSlope(rod, &learned.slope[2], at->shift);
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2],
+                            learned.clock[2][1], end[0], room, J));
+  }
+  PetscCall(CellsClose(&cell));
+  PetscCall(PetscFree(room));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
 /* What strands need to know of the cell that is looked at. */
 static void KeepCell(const Cell *cell, StrandCell *kept) {
   const Frame *frame = (const Frame *)cell->rod->data;
@@ -564,14 +636,14 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     LearnedRows(rod, i, &learned, at->shift);
     if (frame->strands && i >= rod->first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
-                            &learned.slope[0], NULL, room, J));
+                            &learned.slope[0], NULL, NULL, room, J));
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, cell.b, at->shift, by);
     LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
     LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(
-        LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], by[0], room, J));
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], NULL, by[0],
+                            room, J));
   }
   PetscCall(CellsClose(&cell));
   PetscCall(PetscFree(room));
@@ -590,7 +662,7 @@ static PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J) {
 
   PetscFunctionBegin;
   if (rod->learned) {
-    PetscCall(LearnedJacobian(rod, at, J));
+    PetscCall(frame->yields ? YieldJacobian(rod, at, J) : LearnedJacobian(rod, at, J));
     PetscFunctionReturn(0);
   }
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
@@ -846,6 +918,11 @@ static PetscErrorCode FrameSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
     PetscCall(PetscMemcpy(u + i * fields, &nodes[i], FIELDS * sizeof(*u)));
   PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedSet(rod, nodes, U));
+  if (!((Frame *)rod->data)->yields) PetscFunctionReturn(0);
+  PetscCall(VecGetArray(U, (PetscScalar **)&u));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++)
+    PetscCall(PetscArraycpy(u + i * fields + FIELDS, nodes[i].growth, 2));
+  PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
   PetscFunctionReturn(0);
 }
 
@@ -857,14 +934,17 @@ static void FrameMoments(const PetscReal u[], const PetscReal change[], PetscRea
 }
 
 static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
+  const Frame *frame = (const Frame *)rod->data;
   const PetscInt fields = rod->model->fields, n = rod->end - rod->first;
   const PetscReal *u;
 
   PetscFunctionBegin;
+  if (frame->yields) PetscCall(FrameYieldSee(rod, t, U)); /* who asks goes on with its length */
   PetscCall(VecGetArrayRead(U, (const PetscScalar **)&u));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(PetscMemzero(&nodes[i], sizeof(PlaneNode)));
     PetscCall(PetscMemcpy(&nodes[i], u + i * fields, FIELDS * sizeof(*u)));
+    if (frame->yields) PetscCall(PetscArraycpy(nodes[i].growth, u + i * fields + FIELDS, 2));
   }
   PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedGet(rod, U, nodes));
@@ -896,7 +976,11 @@ static PetscErrorCode FrameCreate(Rod rod) {
   PetscCall(PetscCalloc3(points, &frame->law, points * frame->duals, &frame->dual, points,
                          &frame->point));
   rod->data = frame;
-  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, 1));
+  frame->yields = (PetscBool)(rod->scene->growth->yield > 0);
+  if (rod->model->fields > FIELDS)
+    PetscCall(LearnedCreate(rod, FIELDS, frame->yields ? YIELD_FIELDS - FIELDS : 0, 1));
+  UserCheck(!frame->yields || rod->order == 4, rod->scene->comm,
+            "-rod_order 2: -growth_yield needs order 4");
   if (rod->scene->contact.walls.posts) PetscCall(PetscCalloc1(points / 2, &frame->feet));
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
@@ -939,3 +1023,16 @@ const RodModel rod_frame_remembers = {
     .field = {"x1", "x2", "theta", "m", "n1", "n2", "k", "f", "k_mid", "f_mid"},
     .followed = {FIELDS_FOLLOWED, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
     .group = {FIELDS_GROUPS, ACROSS_2, ACROSS_2, ACROSS_2, ACROSS_2}};
+/* ... whose growth feels force: eliminated, without its V and L, to count modes alone. */
+#define YIELDS_FOLLOWED FIELDS_FOLLOWED, PETSC_FALSE, PETSC_TRUE
+#define YIELDS_GROUPS FIELDS_GROUPS, ALONG, ALONG
+const RodModel rod_frame_yields = {
+    FRAME, .fields = YIELD_FIELDS + 2,
+    .field = {"x1", "x2", "theta", "m", "n1", "n2", "V", "L", "k", "k_mid"},
+    .followed = {YIELDS_FOLLOWED, PETSC_TRUE, PETSC_TRUE},
+    .group = {YIELDS_GROUPS, ACROSS_2, ACROSS_2}};
+const RodModel rod_frame_yields_remembers = {
+    FRAME, .fields = YIELD_FIELDS + 4,
+    .field = {"x1", "x2", "theta", "m", "n1", "n2", "V", "L", "k", "f", "k_mid", "f_mid"},
+    .followed = {YIELDS_FOLLOWED, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
+    .group = {YIELDS_GROUPS, ACROSS_2, ACROSS_2, ACROSS_2, ACROSS_2}};

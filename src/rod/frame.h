@@ -30,6 +30,7 @@ typedef struct {
   PetscInt duals;
   FootLoad *feet;     /* of each cell, from that before node first on; NULL: no posts */
   StrandRows strands; /* NULL: the rod does not touch itself */
+  PetscBool yields;   /* its growth feels force: frame_yield.c */
 } Frame;
 
 /* f at a point */
@@ -59,6 +60,30 @@ static inline FrictionDual *FrameDuals(const Frame *frame, PetscInt k) {
   return frame->dual + k * frame->duals;
 }
 
+/* A cell of a rod whose growth feels force: nodes a and b, and its middle between them. */
+enum { YIELD_FIELDS = FIELDS + 2 };
+
+typedef struct {
+  PetscInt place;            /* of a */
+  PetscBool tip;             /* b is the tip */
+  PetscReal h, bow, turn[2]; /* 1/8 of h, or 0; theta_t of both nodes */
+  const PetscReal *shift[2];
+  const Law *law;
+  const Point *at[3];
+  const LoadSlope *slope[3];
+} YieldCell;
+
+/* frame_yield.c */
+PetscErrorCode FrameYieldSee(Rod rod, PetscReal t, Vec U);
+void FrameYieldLaws(Rod rod);
+void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
+                        const Point *b);
+void FrameYieldEnds(Rod rod, PetscInt i, const Point *p);
+void FrameYieldBegin(Rod rod, const Point *p, PetscReal by[YIELD_FIELDS]);
+void FrameYieldEnd(const PetscReal shift[], PetscReal by[YIELD_FIELDS]);
+void FrameYieldCell(Rod rod, const YieldCell *cell, PetscReal left[YIELD_FIELDS][YIELD_FIELDS],
+                    PetscReal right[YIELD_FIELDS][YIELD_FIELDS], LearnedCell *learned);
+
 /* frame_defect.c */
 PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);
 
@@ -71,5 +96,7 @@ void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Po
                       const Point *b, PetscBool at_a, PetscBool at_b,
                       PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS],
                       LearnedCell *cell);
+void FrameLearnedSlopes(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
+                        const Point *b, PetscBool at_a, PetscBool at_b, LearnedCell *cell);
 
 #endif

@@ -124,6 +124,22 @@ static void ColumnOf(PetscReal J[FIELDS][FIELDS], PetscReal own, PetscReal in_mi
   }
 }
 
+/* FrameLearnedSlopes - the slopes at the nodes of a cell, where they are asked for, and in its
+   middle; and its equations by the bend learned there. */
+void FrameLearnedSlopes(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
+                        const Point *b, PetscBool at_a, PetscBool at_b, LearnedCell *cell) {
+  const Frame *frame = (const Frame *)rod->data;
+  const PetscInt place = 2 * (i - rod->first + 1);
+  PetscReal x[2];
+
+  MidPlace(frame->bow * h, a, b, x);
+  if (at_a) SeeSlope(rod, place, a->at.x, a, &cell->slope[0]);
+  SeeSlope(rod, place + 1, x, mid, &cell->slope[1]);
+  if (at_b) SeeSlope(rod, place + 2, b->at.x, b, &cell->slope[2]);
+  memset(cell->column[1], 0, sizeof(cell->column[1]));
+  cell->column[1][0][TH] = -h * frame->mid_weight * frame->law[place + 1].g;
+}
+
 /* FrameLearnedCell - a cell's part, from its equations by its nodes; the slopes at these where they
    are asked for. */
 void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
@@ -134,16 +150,10 @@ void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Po
   const PetscInt place = 2 * (i - rod->first + 1);
   const Law *law = frame->law + place;
   const PetscReal k = frame->bow * h, wm = h * frame->mid_weight * law[1].g;
-  PetscReal x[2];
 
-  MidPlace(k, a, b, x);
-  if (at_a) SeeSlope(rod, place, a->at.x, a, &cell->slope[0]);
-  SeeSlope(rod, place + 1, x, mid, &cell->slope[1]);
-  if (at_b) SeeSlope(rod, place + 2, b->at.x, b, &cell->slope[2]);
+  FrameLearnedSlopes(rod, i, h, a, mid, b, at_a, at_b, cell);
   MidByEnd(k, law, a, cell->by_node[0], cell->by_bend[0][0]);
   MidByEnd(-k, law + 2, b, cell->by_node[1], cell->by_bend[1][0]);
   ColumnOf(left, -1, -wm * law[1].flex / 2, law[0].flex, cell->column[0][0]);
   ColumnOf(right, 1, -wm * law[1].flex / 2, law[2].flex, cell->column[2][0]);
-  memset(cell->column[1], 0, sizeof(cell->column[1]));
-  cell->column[1][0][TH] = -wm;
 }

@@ -13,16 +13,18 @@ static void FindDrive(Rod rod) {
         rod->scene->reach * (PetscAbsReal(pull[1 + d]) + PetscAbsReal(law->nutation[d]));
 }
 
-/* LearnedCreate - for a rod whose model has such states, behind so many unknowns of its mechanics.
- */
-PetscErrorCode LearnedCreate(Rod rod, PetscInt mech, PetscInt bends) {
+/* LearnedCreate - for a rod whose model has such states, behind so many unknowns of its mechanics:
+   lead, and the extra ones of growth that feels force. */
+PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt bends) {
   const Tropism *law = &rod->scene->tropism;
-  const PetscInt nodes = rod->end - rod->first + 2, places = 2 * nodes;
+  const PetscInt nodes = rod->end - rod->first + 2, places = 2 * nodes, mech = lead + extra;
   Learned self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   rod->learned = self;
+  self->lead = lead;
+  self->extra = extra;
   self->mech = mech;
   self->bends = bends;
   self->per = (rod->model->fields - mech) / 2;
@@ -33,6 +35,8 @@ PetscErrorCode LearnedCreate(Rod rod, PetscInt mech, PetscInt bends) {
                          &self->k, places * self->per, &self->k_t));
   PetscCall(PetscCalloc4(places * bends, &self->given, places, &self->clock, nodes * mech,
                          &self->row, places * self->per, &self->rows));
+  PetscCall(PetscCalloc4(nodes * extra, &self->w, nodes * extra, &self->w_t, nodes * extra,
+                         &self->w_row, places * bends, &self->drives));
   PetscCall(PetscCalloc2(nodes, &self->node, nodes, &self->cell));
   PetscCall(PetscCalloc5(nodes * mech, &self->b, nodes * mech, &self->x, places * self->per,
                          &self->free, places * self->per, &self->rhs, nodes * mech, &self->beside));
@@ -48,6 +52,7 @@ PetscErrorCode LearnedDestroy(Rod rod) {
   if (!self) PetscFunctionReturn(0);
   PetscCall(PetscFree4(self->u, self->u_t, self->k, self->k_t));
   PetscCall(PetscFree4(self->given, self->clock, self->row, self->rows));
+  PetscCall(PetscFree4(self->w, self->w_t, self->w_row, self->drives));
   PetscCall(PetscFree2(self->node, self->cell));
   PetscCall(PetscFree5(self->b, self->x, self->free, self->rhs, self->beside));
   for (int b = 0; b < TROPISM_BENDS; b++) PetscCall(PetscFree(self->border[b]));
@@ -98,11 +103,11 @@ void LearnedScale(Rod rod, PetscReal scale[]) {
 }
 
 /* LearnedPart - mechanics and states of the nodes first - 1 .. end of a vector, apart; states NULL:
-   not these. */
-PetscErrorCode LearnedPart(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
+   not these. w: the extra unknowns go there; NULL: they stay behind the others. */
+PetscErrorCode LearnedPart(Rod rod, Vec V, PetscReal *mech, PetscReal *w, PetscReal *states) {
   const Learned self = rod->learned;
   const PetscInt fields = rod->model->fields, from = PetscMax(rod->first - 1, 0),
-                 to = PetscMin(rod->end, rod->last);
+                 to = PetscMin(rod->end, rod->last), lead = w ? self->lead : self->mech;
   const PetscReal *v;
   Vec local;
 
@@ -110,7 +115,9 @@ PetscErrorCode LearnedPart(Rod rod, Vec V, PetscReal *mech, PetscReal *states) {
   PetscCall(RodOpen(rod, V, &local, &v));
   for (PetscInt i = from; i <= to; i++) {
     const PetscInt n = i - rod->first + 1;
-    memcpy(mech + n * self->mech, v + i * fields, (size_t)self->mech * sizeof(*v));
+    memcpy(mech + n * lead, v + i * fields, (size_t)lead * sizeof(*v));
+    if (w && self->extra)
+      memcpy(w + n * self->extra, v + i * fields + lead, (size_t)self->extra * sizeof(*v));
     if (states)
       memcpy(states + 2 * n * self->per, v + i * fields + self->mech,
              2 * (size_t)self->per * sizeof(*v));
@@ -154,10 +161,11 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   Learned self = rod->learned;
 
   PetscFunctionBegin;
-  PetscCall(LearnedPart(rod, at->U, self->u, self->k));
-  PetscCall(LearnedPart(rod, at->U_t, self->u_t, self->k_t));
-  self->born = (PetscBool)(rod->first == 0 && rod->scene->growth->slides &&
-                           GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
+  PetscCall(LearnedPart(rod, at->U, self->u, self->w, self->k));
+  PetscCall(LearnedPart(rod, at->U_t, self->u_t, self->w_t, self->k_t));
+  self->born =
+      (PetscBool)(rod->first == 0 && rod->scene->growth->slides && !rod->scene->growth->rests &&
+                  GrowthSpeed(rod->scene->growth, 0, at->t, 0) > 0);
   PetscCall(LearnedShareSignal(rod, self->k, self->signal));
   PetscCall(LearnedShareSignal(rod, self->k_t, self->signal_t));
   for (int b = 0; b < TROPISM_BENDS; b++)
@@ -172,7 +180,7 @@ PetscErrorCode LearnedFill(Rod rod, void *array) {
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(self->rows, 2 * (rod->end - rod->first + 2) * self->per));
-  *(PetscReal **)array = self->row - rod->first * self->mech;
+  *(PetscReal **)array = self->row - rod->first * self->lead;
   PetscFunctionReturn(0);
 }
 
@@ -188,7 +196,9 @@ PetscErrorCode LearnedFilled(Rod rod, Vec F) {
                             self->k + LearnedSignalPlace(rod) * self->per, self->per));
   PetscCall(VecGetArrayWrite(F, (PetscScalar **)&f));
   for (PetscInt n = 0; n < rod->end - rod->first; n++) {
-    memcpy(f + n * fields, self->row + n * self->mech, (size_t)self->mech * sizeof(*f));
+    memcpy(f + n * fields, self->row + n * self->lead, (size_t)self->lead * sizeof(*f));
+    memcpy(f + n * fields + self->lead, self->w_row + (n + 1) * self->extra,
+           (size_t)self->extra * sizeof(*f));
     memcpy(f + n * fields + self->mech, self->rows + 2 * (n + 1) * self->per,
            2 * (size_t)self->per * sizeof(*f));
   }
@@ -210,8 +220,10 @@ void LearnedResidual(Rod rod, PetscInt place, const LearnedPoint *point) {
     const PetscReal f = self->at_tip      ? self->signal[b]
                         : self->remembers ? k[self->bends + b]
                                           : point->sensed[b];
-    row[b] = k_t[b] - self->clock[place] * TropismDrive(law, f, point->natural[b],
-                                                        point->elastic[b], self->nutation[b]);
+    const PetscReal drive =
+        TropismDrive(law, f, point->natural[b], point->elastic[b], self->nutation[b]);
+    self->drives[place * self->bends + b] = drive;
+    row[b] = k_t[b] - self->clock[place] * drive;
     if (self->remembers)
       row[self->bends + b] = law->memory * k_t[self->bends + b] + f - point->sensed[b];
   }
@@ -251,7 +263,7 @@ PetscErrorCode LearnedGet(Rod rod, Vec U, Node *nodes) {
   PetscReal signal[TROPISM_BENDS] = {0}, *states = self->rhs;
 
   PetscFunctionBegin;
-  PetscCall(LearnedPart(rod, U, self->beside, states));
+  PetscCall(LearnedPart(rod, U, self->beside, NULL, states));
   PetscCall(LearnedShareSignal(rod, states, signal));
   for (PetscInt i = rod->first; i < rod->end; i++)
     for (int half = 0; half < 2; half++)

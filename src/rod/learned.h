@@ -20,6 +20,8 @@ typedef struct {
 typedef struct {
   PetscReal column[3][TROPISM_BENDS][LEARNED_MOST];
   LearnedSlope slope[3];
+  /* the clocks at a, in the middle and at b by the unknowns of a and b, where growth feels force */
+  PetscReal clock[3][2][LEARNED_MOST];
   PetscReal by_node[2][LEARNED_MOST][LEARNED_MOST], by_bend[2][TROPISM_BENDS][LEARNED_MOST];
 } LearnedCell;
 
@@ -47,16 +49,20 @@ typedef struct {
 
 typedef struct Learned_ {
   PetscInt mech, bends, per; /* unknowns of the mechanics, bends, states of a place */
-  PetscBool remembers;       /* each place remembers what it senses; behind the bends */
-  PetscBool at_tip;          /* the signal is the tip's: the last node's own, where others have the
-                                middle of the cell behind them */
-  PetscReal *u, *u_t;        /* mechanics of nodes first - 1 .. end; node i at i - first + 1 */
-  PetscReal *k, *k_t;        /* states; places as of laws: 2 (i - first + 1) + half */
+  PetscInt lead;  /* of the mechanics, those that a rod has which feels no force when it grows; */
+  PetscInt extra; /* ... and the two beside them that one has which does: V and L, the last */
+  PetscBool remembers;        /* each place remembers what it senses; behind the bends */
+  PetscBool at_tip;           /* the signal is the tip's: the last node's own, where others have the
+                                 middle of the cell behind them */
+  PetscReal *u, *u_t;         /* mechanics of nodes first - 1 .. end; node i at i - first + 1 */
+  PetscReal *w, *w_t, *w_row; /* V and L of these, and the residuals of their equations */
+  PetscReal *k, *k_t;         /* states; places as of laws: 2 (i - first + 1) + half */
   PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
   PetscReal nutation[TROPISM_BENDS]; /* at the time of the state */
   PetscBool born;     /* node 0 is here, and material comes in there: it has learned nothing */
   PetscReal drive[2]; /* how much it bends a straight rod towards x2, x3 */
   PetscReal *given, *clock; /* of places: natural bends that are given, a */
+  PetscReal *drives;        /* Dk/Dt/a */
   PetscReal *row;           /* residual of owned nodes: mechanics; behind it those of states */
   PetscReal *rows;
   LearnedRow *node;
@@ -70,7 +76,7 @@ typedef struct Learned_ {
   PetscReal *rhs, *beside; /* a right-hand side taken apart: its states, and mechanics */
 } * Learned;
 
-PetscErrorCode LearnedCreate(Rod rod, PetscInt mech, PetscInt bends);
+PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt bends);
 PetscErrorCode LearnedDestroy(Rod rod);
 PetscErrorCode LearnedBegin(Rod rod, Vec U);
 void LearnedScale(Rod rod, PetscReal scale[]);
@@ -90,16 +96,23 @@ PetscErrorCode LearnedGet(Rod rod, Vec U, Node *nodes);
 PetscErrorCode LearnedSet(Rod rod, const Node *nodes, Vec U);
 PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const LearnedCell *cell,
                              const PetscReal *left, const PetscReal *right,
-                             const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
-                             Mat J);
+                             const LearnedSlope *slope, const PetscReal *clock,
+                             const PetscReal *own, PetscReal *room, Mat J);
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]);
 void LearnedByElastic(const Rod rod, PetscReal clock, const LearnedSlope *slope, PetscInt bend,
                       PetscReal by[]);
 PetscBool LearnedFront(const Rod rod);
 PetscBool LearnedCarries(const Rod rod);
+PetscErrorCode LearnedGather(Rod rod, PetscInt width, PetscReal *all);
+PetscErrorCode LearnedKeepWay(Rod rod, PetscInt m, const PetscReal times[], const Vec points[]);
 PetscErrorCode LearnedTimesRate(Rod rod, Vec V);
 PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
                             const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum);
+
+/* Has the rod unknowns beside those that an elimination in one pass knows of? */
+static inline PetscBool LearnedExtra(const Rod rod) {
+  return (PetscBool)(rod->learned && rod->learned->extra);
+}
 
 /* The states of a place, and their rates. */
 static inline PetscReal *LearnedAt(const struct Learned_ *self, PetscInt place) {

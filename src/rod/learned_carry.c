@@ -59,34 +59,65 @@ static PetscErrorCode FindLabels(Rod rod) {
   PetscFunctionReturn(0);
 }
 
-/* All places of a vector's states, node after node, on every rank; and those beyond the clamp. */
-static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
-  const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields, width = 2 * self->per, n = rod->end - rod->first;
-  const PetscScalar *v;
+/* LearnedGather - so many numbers of each node, of which a rank has put those of its own into their
+   place, to all ranks. Collective. */
+PetscErrorCode LearnedGather(Rod rod, PetscInt width, PetscReal *all) {
+  const PetscMPIInt mine[2] = {(PetscMPIInt)((rod->end - rod->first) * width),
+                               (PetscMPIInt)(rod->first * width)};
   PetscMPIInt ranks, *many, *from;
 
   PetscFunctionBegin;
-  PetscCall(VecGetArrayRead(V, &v));
-  for (PetscInt i = 0; i < n; i++)
-    for (PetscInt f = 0; f < width; f++)
-      all[(rod->first + i) * width + f] = PetscRealPart(v[i * fields + self->mech + f]);
-  PetscCall(VecRestoreArrayRead(V, &v));
-  if (rod->alone) {
-    GoOnOddly(self->per, all);
-    PetscFunctionReturn(0);
-  }
+  if (rod->alone) PetscFunctionReturn(0);
   PetscCallMPI(MPI_Comm_size(rod->scene->comm, &ranks));
   PetscCall(PetscMalloc2(ranks, &many, ranks, &from));
-  {
-    const PetscMPIInt mine[2] = {(PetscMPIInt)(n * width), (PetscMPIInt)(rod->first * width)};
-    PetscCallMPI(MPI_Allgather(&mine[0], 1, MPI_INT, many, 1, MPI_INT, rod->scene->comm));
-    PetscCallMPI(MPI_Allgather(&mine[1], 1, MPI_INT, from, 1, MPI_INT, rod->scene->comm));
-  }
+  PetscCallMPI(MPI_Allgather(&mine[0], 1, MPI_INT, many, 1, MPI_INT, rod->scene->comm));
+  PetscCallMPI(MPI_Allgather(&mine[1], 1, MPI_INT, from, 1, MPI_INT, rod->scene->comm));
   PetscCallMPI(MPI_Allgatherv(MPI_IN_PLACE, 0, MPI_DATATYPE_NULL, all, many, from, MPIU_REAL,
                               rod->scene->comm));
   PetscCall(PetscFree2(many, from));
+  PetscFunctionReturn(0);
+}
+
+/* All places of a vector's states, node after node, on every rank; and those beyond the clamp. */
+static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
+  const Learned self = rod->learned;
+  const PetscInt fields = rod->model->fields, width = 2 * self->per;
+  const PetscScalar *v;
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(V, &v));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++)
+    for (PetscInt f = 0; f < width; f++)
+      all[(rod->first + i) * width + f] = PetscRealPart(v[i * fields + self->mech + f]);
+  PetscCall(VecRestoreArrayRead(V, &v));
+  PetscCall(LearnedGather(rod, width, all));
   GoOnOddly(self->per, all);
+  PetscFunctionReturn(0);
+}
+
+/* LearnedKeepWay - before a step: where growth feels force, which way the material has come is that
+   of the states that the step goes on from, the latest first. Collective. */
+PetscErrorCode LearnedKeepWay(Rod rod, PetscInt m, const PetscReal times[], const Vec points[]) {
+  const Learned self = rod->learned;
+  const PetscInt fields = rod->model->fields, n = rod->last + 1;
+  PetscReal *all, *speed, *length;
+  const PetscScalar *v;
+
+  PetscFunctionBegin;
+  if (!self->extra) PetscFunctionReturn(0);
+  PetscCall(PetscMalloc3(2 * n, &all, m * n, &speed, m, &length));
+  for (PetscInt j = 0; j < m; j++) {
+    PetscCall(VecGetArrayRead(points[j], &v));
+    for (PetscInt i = 0; i < rod->end - rod->first; i++)
+      for (int f = 0; f < 2; f++)
+        all[2 * (rod->first + i) + f] = PetscRealPart(v[i * fields + self->lead + f]);
+    PetscCall(VecRestoreArrayRead(points[j], &v));
+    PetscCall(LearnedGather(rod, 2, all));
+    for (PetscInt i = 0; i < n; i++) speed[j * n + i] = all[2 * i];
+    length[j] = all[2 * n - 1];
+  }
+  PetscCall(GrowthYieldKeep(rod->scene->growth, m, times, length, n, rod->scene->mesh.s, speed));
+  PetscCall(PetscFree3(all, speed, length));
   PetscFunctionReturn(0);
 }
 

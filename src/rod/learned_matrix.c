@@ -60,12 +60,24 @@ static void OfPoint(const Rod rod, PetscReal clock, const LearnedSlope *slope, P
   }
 }
 
-static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const Rows *rows) {
+/* ... by the clock, that goes with forces where growth feels them. */
+static void PutClock(const Rod rod, PetscInt place, PetscInt first, PetscInt block,
+                     const PetscReal by[LEARNED_MOST], const Rows *rows) {
+  const Learned self = rod->learned;
+
+  for (PetscInt b = 0; b < self->bends && self->extra; b++)
+    LearnedAdd(self->mech, -self->drives[place * self->bends + b], by,
+               Entry(rod, rows, first + b, block, 0));
+}
+
+static void PutNode(const Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal *clock,
+                    const Rows *rows) {
   const Learned self = rod->learned;
   const LearnedRow *row = &self->node[i - rod->first + 1];
 
   PutOwn(rod, i, 0, row, rows);
   if (LearnedIsBorn(rod, 2 * (i - rod->first + 1))) return;
+  PutClock(rod, 2 * (i - rod->first + 1), self->mech, OWN, clock, rows);
   for (PetscInt b = 0; b < self->bends; b++) {
     PetscReal of[2][LEARNED_MOST];
     OfPoint(rod, row->clock, slope, b, of[0], of[1]);
@@ -80,6 +92,8 @@ static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Row
   const PetscInt first = self->mech + self->per;
 
   PutOwn(rod, i, 1, row, rows);
+  for (int e = 0; e < 2; e++)
+    PutClock(rod, 2 * (i - rod->first + 1) + 1, first, OWN + e, cell->clock[1][e], rows);
   for (PetscInt b = 0; b < self->bends; b++) {
     PetscReal of[2][LEARNED_MOST];
     OfPoint(rod, row->clock, &cell->slope[1], b, of[0], of[1]);
@@ -95,14 +109,22 @@ static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Row
   }
 }
 
-/* Equations from .. to - 1 of a cell, whose nodes are the blocks a and a + 1 of the rows. */
+/* Is an equation of a cell, or of an end, a row of the node before it? V's is. */
+static PetscBool OfNodeBefore(const Rod rod, PetscInt row) {
+  const Learned self = rod->learned;
+
+  return (PetscBool)(row < rod->model->halves[0] || (self->extra && row == self->lead));
+}
+
+/* The equations of a cell that are rows of the node before it, or the others; its nodes are the
+   blocks a and a + 1 of the rows. */
 static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal *left,
-                         const PetscReal *right, PetscInt from, PetscInt to, PetscInt a,
-                         const Rows *rows) {
+                         const PetscReal *right, PetscBool before, PetscInt a, const Rows *rows) {
   const Learned self = rod->learned;
   const PetscReal *J[2] = {left, right};
 
-  for (PetscInt r = from; r < to; r++) {
+  for (PetscInt r = 0; r < self->mech; r++) {
+    if (OfNodeBefore(rod, r) != before) continue;
     for (int e = 0; e < 2; e++) {
       LearnedAdd(self->mech, 1, J[e] + r * self->mech, Entry(rod, rows, r, a + e, 0));
       for (PetscInt b = 0; b < self->bends; b++)
@@ -110,6 +132,17 @@ static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal
     }
     for (PetscInt b = 0; b < self->bends; b++)
       *Entry(rod, rows, r, a, self->mech + self->per + b) += cell->column[1][b][r];
+  }
+}
+
+/* The equations of an end, in the order of the rows that they are. */
+static void PutEnd(const Rod rod, const PetscReal *by, PetscBool before, const Rows *rows) {
+  const PetscInt mech = rod->learned->mech;
+
+  for (PetscInt r = 0; r < mech; r++) {
+    if (OfNodeBefore(rod, r) != before) continue;
+    LearnedAdd(mech, 1, by, Entry(rod, rows, r, OWN, 0));
+    by += mech;
   }
 }
 
@@ -130,32 +163,30 @@ static void PutLast(const Rod rod, const Rows *rows) {
 
   begin            the equations of the beginning, by its node; NULL: it is another node
   cell, left, right  of the cell behind it, NULL for the last node
+  clock            the node's by its unknowns
   own              the last equations of the last node; NULL: it is another one
   room             2 * fields * 4 * fields numbers, 0 at first
 */
 PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const LearnedCell *cell,
                              const PetscReal *left, const PetscReal *right,
-                             const LearnedSlope *slope, const PetscReal *own, PetscReal *room,
-                             Mat J) {
+                             const LearnedSlope *slope, const PetscReal *clock,
+                             const PetscReal *own, PetscReal *room, Mat J) {
   const Learned self = rod->learned;
-  const PetscInt fields = rod->model->fields, half = rod->model->halves[0],
-                 size = fields * BESIDE * fields;
+  const PetscInt fields = rod->model->fields, size = fields * BESIDE * fields;
   const Rows rows = {.width = BESIDE * fields, .v = room},
              next = {.width = BESIDE * fields, .v = room + size};
   const PetscInt cols[BESIDE] = {i - 1, i, i < rod->last ? i + 1 : -1,
                                  self->at_tip && rod->last > i + 1 ? rod->last : -1};
 
   PetscFunctionBegin;
-  for (PetscInt r = 0; r < half && begin; r++)
-    LearnedAdd(self->mech, 1, begin + r * self->mech, Entry(rod, &rows, r, OWN, 0));
-  PutNode(rod, i, slope, &rows);
+  if (begin) PutEnd(rod, begin, PETSC_TRUE, &rows);
+  PutNode(rod, i, slope, clock, &rows);
   if (cell) {
-    PutEquations(rod, cell, left, right, half, self->mech, OWN, &rows);
-    PutEquations(rod, cell, left, right, 0, half, 0, &next);
+    PutEquations(rod, cell, left, right, PETSC_FALSE, OWN, &rows);
+    PutEquations(rod, cell, left, right, PETSC_TRUE, 0, &next);
     PutMid(rod, i, cell, &rows);
   } else {
-    for (PetscInt r = half; r < self->mech; r++)
-      LearnedAdd(self->mech, 1, own + (r - half) * self->mech, Entry(rod, &rows, r, OWN, 0));
+    PutEnd(rod, own, PETSC_FALSE, &rows);
     PutLast(rod, &rows);
   }
   if (i >= rod->first)

@@ -7,7 +7,7 @@
 #include "rod/learned.h"
 #include <string.h>
 
-PetscErrorCode LearnedPart(Rod rod, Vec V, PetscReal *mech, PetscReal *states);
+PetscErrorCode LearnedPart(Rod rod, Vec V, PetscReal *mech, PetscReal *w, PetscReal *states);
 PetscErrorCode LearnedPut(Rod rod, const PetscReal *mech, const PetscReal *states, Vec V);
 PetscErrorCode LearnedFromLastRank(const Rod rod, PetscReal signal[]);
 PetscErrorCode LearnedShareSignal(Rod rod, const PetscReal *states, PetscReal signal[]);

@@ -37,6 +37,8 @@ void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const Pets
 
   if (rod->learned->mech == LINE_FIELDS)
     MakeRow(rod, 2 * at, slope, shift + LINE_FIELDS, LINE_FIELDS, 1, row);
+  else if (rod->learned->extra)
+    MakeRow(rod, 2 * at, slope, shift + rod->learned->mech, rod->learned->mech, 1, row);
   else
     MakeRow(rod, 2 * at, slope, shift + WIDE_FIELDS, WIDE_FIELDS, TROPISM_BENDS, row);
 }
@@ -319,7 +321,7 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
 
   PetscFunctionBegin;
   if (self->at_tip && !self->bordered) PetscCall(Border(rod));
-  PetscCall(LearnedPart(rod, b, self->beside, self->rhs));
+  PetscCall(LearnedPart(rod, b, self->beside, NULL, self->rhs));
   for (PetscInt c = 0; c < self->bends && self->at_tip && rod->end > rod->last; c++)
     self->rhs[LearnedSignalPlace(rod) * self->per + c] /= self->tip_own[c];
   PetscCall(LearnedShareSignal(rod, self->rhs, signal));
@@ -328,7 +330,7 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
   Fold(rod, self->b);
   PetscCall(SolveBordered(rod, signal));
   PetscCall(LearnedPut(rod, self->x, NULL, x));
-  PetscCall(LearnedPart(rod, x, self->beside, NULL));
+  PetscCall(LearnedPart(rod, x, self->beside, NULL, NULL));
   for (PetscInt i = from; i <= to; i++)
     UnfoldNode(rod, i, signal, k + 2 * (i - rod->first + 1) * self->per);
   for (PetscInt i = from; i < to; i++)

@@ -408,6 +408,7 @@ static const char *Refuses(Scene scene) {
     return "-tip_force_vector: the linear model is of a rod that is pushed along itself";
   if (scene->curvature.any)
     return "-rod_curvature: the linear model is of a rod that is straight by nature";
+  if (scene->growth->yield > 0) return "-growth_yield: the linear model's growth feels no force";
   if (scene->tropism.any)
     return "-tropism_, -growth_ironing: the linear model is of a rod that stays straight by nature";
   if (scene->contact.walls.n)

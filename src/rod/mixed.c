@@ -544,6 +544,7 @@ static const char *MixedRefuses(Scene scene) {
   if (scene->space.why) return RodRefusesSpace(scene);
   if (LoadSticks(&scene->load))
     return "-friction_beta 0: the mixed model has no exact Coulomb friction; give a value above 0";
+  if (scene->growth->yield > 0) return "-growth_yield: the mixed model's growth feels no force";
   if (scene->tropism.any)
     return "-tropism_, -growth_ironing: the mixed model has no natural curvature that it learns";
   if (scene->contact.any) return "-wall_file, -contact_self: the mixed model has no contact";

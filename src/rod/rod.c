@@ -11,6 +11,8 @@ static const RodModel *ModelFor(Scene scene, const RodModel *model) {
   const PetscBool remembers = (PetscBool)(law->memory > 0 && !law->at_tip);
 
   if (!law->any) return model;
+  if (model == &rod_frame && scene->growth->yield > 0)
+    return remembers ? &rod_frame_yields_remembers : &rod_frame_yields;
   if (model == &rod_frame) return remembers ? &rod_frame_remembers : &rod_frame_learns;
   if (model == &rod_space) return remembers ? &rod_space_remembers : &rod_space_learns;
   return model;
@@ -297,6 +299,8 @@ PetscErrorCode RodInitialNodes(Rod rod, PetscReal t, Node *nodes) {
     PetscCall(SceneShapeAngle(scene, scene->mesh.s[i], &node->theta, &slope));
     PetscCall(InitialMoment(scene, scene->mesh.s[i], t, &node->moment));
     node->force[0] = -P[i];
+    node->growth[0] = GrowthSpeed(scene->growth, scene->mesh.s[i], t, 0);
+    PetscCall(GrowthLength(scene->growth, t, &node->growth[1], NULL));
     PetscCall(InitialShear(scene, scene->mesh.s[i], t, node));
   }
   PetscCall(PetscFree(P));
@@ -363,6 +367,7 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
       for (int d = 0; d < 3; d++) nodes[k].x3[d] += dx[d][k];
       continue;
     }
+    if (rod->scene->growth->yield > 0) nodes[k].growth[1] = g[1];
     nodes[k].moment = B[1] * ((nodes[k].moment / B[0] + k0[0]) * g[0] / g[1] - k0[1]);
     for (int d = 0; d < 2; d++) nodes[k].x[d] += dx[d][k];
   }

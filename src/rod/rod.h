@@ -45,6 +45,7 @@ typedef struct {
      quaternion of the directors, moment and force, all in the clamp's frame, and rates */
   PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4], m3_t[3];
   NodeLearned learned[2]; /* at the node, and in the middle of the cell behind it */
+  PetscReal growth[2];    /* V and the length of the rod, where its growth feels force */
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
@@ -175,6 +176,8 @@ struct _Rod {
 extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_space;
 /* the same, whose material learns its natural curvature; that also remembers what it senses */
 extern const RodModel rod_frame_learns, rod_frame_remembers, rod_space_learns, rod_space_remembers;
+/* ... and whose growth feels the force along it */
+extern const RodModel rod_frame_yields, rod_frame_yields_remembers;
 extern const OptionGroup frame_options;
 
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);

@@ -202,6 +202,8 @@ static void SpaceScale(PetscReal size[]) {
 
 /* In space a rod that nothing holds may spin about itself. */
 static const char *SpaceRefuses(Scene scene) {
+  if (scene->growth->yield > 0)
+    return "-growth_yield: growth that feels force is one of a rod in the plane";
   return scene->clamp == CLAMP_FREE && scene->load.radius == 0
              ? "-clamp_type free: nothing keeps a rod in space from spinning about itself; give it "
                "a -friction_radius"
@@ -230,7 +232,7 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   self->mid_weight = choice ? 4. / 6 : 1;
   self->bow = choice ? 1. / 8 : 0;
   self->time = PETSC_MIN_REAL;
-  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, TROPISM_BENDS));
+  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, 0, TROPISM_BENDS));
   rod->memory = SpaceRemembers(&rod->scene->load);
   self->duals = rod->scene->load.duals3;
   SpaceCellsForget(self);

@@ -553,14 +553,14 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     LearnedRows(rod, i, &learned, at->shift);
     if (self->strands && i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[1]);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
-                            &learned.slope[0], NULL, room, J));
+                            &learned.slope[0], NULL, NULL, room, J));
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, &slopes.b, at->shift, by);
     LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
     LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(
-        LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], by[0], room, J));
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], NULL, by[0],
+                            room, J));
   }
   PetscCall(SpaceCellsClose(&cell));
   PetscCall(PetscFree(room));

@@ -139,6 +139,7 @@ PetscReal RodFieldUnit(const Rod rod, PetscInt field) {
   switch (rod->model->field[field][0]) {
   case 'x':
   case 'y':
+  case 'L':
     return L;
   case 'm':
     return B / L;

@@ -98,7 +98,7 @@ PetscErrorCode SceneBends(Scene scene, PetscReal tolerance, Bends *bends) {
   if (tip->field) PetscCall(AlongRod(scene, tip, 0, tolerance, &arcs));
   if (scene->load.field && scene->growth->finest > 0)
     PetscCall(AlongRod(scene, &scene->load, scene->growth->finest, tolerance, &arcs));
-  if (arcs.n) error = Passes(scene, &arcs, bends);
+  if (arcs.n && scene->growth->yield == 0) error = Passes(scene, &arcs, bends);
   PetscCall(BendsDestroy(&arcs));
   PetscCall(error);
   PetscCall(BendsSort(bends, 0, scene->end_time));

@@ -1,5 +1,6 @@
 #include "scene/scene.h"
 #include "base/extremes.h"
+#include <string.h>
 #include <unistd.h>
 
 static const OptionRow rows[] = {
@@ -235,6 +236,26 @@ void SceneAtTolerance(Scene scene, PetscReal rtol) {
   if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
 }
 
+/* What does not go with growth that feels force: strands that touch, of which V and L are not told.
+   And what is given at labels, if the rod grows all along: its material slides past them then. */
+static PetscErrorCode CheckYield(Scene scene) {
+  static const char *const at_labels[] = {"-rod_curvature_file", "-rod_curvature_random"};
+  PetscBool given;
+
+  PetscFunctionBegin;
+  if (scene->growth->yield == 0) PetscFunctionReturn(0);
+  UserCheck(!scene->contact.self, OptionsComm(),
+            "-contact_self: not of a rod whose growth feels force (-growth_yield); leave one out");
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(at_labels); k++) {
+    if (strcmp(scene->growth->type, "uniform")) break;
+    PetscCall(OptionGiven(at_labels[k], &given));
+    UserCheck(!given, OptionsComm(),
+              "%s: not with -growth_yield of a rod that grows all along; leave one out",
+              at_labels[k]);
+  }
+  PetscFunctionReturn(0);
+}
+
 /* A rod whose beginning is free has nothing there that lets material in, or turns it; and a hinge
    is one about which material that has grown swings, none that lets it in. */
 static PetscErrorCode CheckClamp(Scene scene) {
@@ -280,7 +301,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
   PetscCall(SpaceClampDirection(&self->clamp_angle, &self->space));
   PetscCall(LoadSetFromOptions(&self->load));
-  if (self->growth->rests) LoadNextToExact(&self->load);
+  if (self->growth->rests || self->growth->yield > 0) LoadNextToExact(&self->load);
   PetscCall(TipSetFromOptions(&self->tip, &self->load));
   PetscCall(StiffnessSetFromOptions(&self->stiffness));
   PetscCall(ShapeSetFromOptions(&self->shape));
@@ -295,6 +316,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(GrowthLongest(self->growth, self->end_time, &self->reach));
   PetscCall(CurvatureSetFromOptions(&self->curvature, self->growth, self->end_time));
   PetscCall(TropismSetFromOptions(&self->tropism, self->growth));
+  if (self->growth->yield > 0) self->tropism.any = PETSC_TRUE; /* its material may learn */
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
   PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
@@ -303,6 +325,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
   if (self->tropism.any) TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab);
   if (self->tropism.why) self->space.why = self->tropism.why;
+  PetscCall(CheckYield(self));
   PetscCall(CheckClamp(self));
   if (self->load.radius > 0 && self->clamp != CLAMP_FREE) LoadNextToExact(&self->load);
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)

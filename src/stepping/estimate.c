@@ -107,19 +107,21 @@ static PetscInt FineNode(const Estimate self, PetscInt k) {
   return PetscMin(k * self->stride, self->leg->rod->last);
 }
 
-/* Far parts of the rod see each other: that is no line of neighbours. */
+/* Far parts of the rod see each other, or it has more unknowns: no line of neighbours that can be
+   eliminated. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = RodEndsOf(self->rod).tip_held;
 
   PetscFunctionBegin;
-  if (BlockLUCan(self->nodes, self->fields)) {
+  if (self->rod->coupled && BlockLUCan(self->nodes, self->fields)) {
     PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
     PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
     PetscCall(BlockLUSetSolver(self->ksp));
     PetscFunctionReturn(0);
   }
   PetscCall(RodCreateMatrix(self->rod, &self->J));
-  PetscCall(ChainCreateSolver(PETSC_COMM_SELF, ChainFolded(held), &self->ksp));
+  PetscCall(ChainCreateSolver(
+      PETSC_COMM_SELF, self->rod->coupled ? ChainFolded(held) : MATORDERINGNATURAL, &self->ksp));
   PetscFunctionReturn(0);
 }
 
@@ -129,7 +131,7 @@ static PetscErrorCode CreateCoarse(Estimate self) {
 
   PetscFunctionBegin;
   PetscCall(RodCoarsen(self->leg->rod, self->nodes, self->stride, self->touches, &self->rod));
-  if (self->rod->coupled)
+  if (self->rod->coupled || LearnedExtra(self->rod))
     PetscCall(CreateMatrix(self));
   else
     PetscCall(
@@ -334,7 +336,8 @@ static PetscInt EntryOf(const Estimate self, PetscInt k, PetscInt f) {
 static PetscBool HasRate(const Estimate self, PetscInt f) {
   const Learned learned = self->leg->rod->learned;
 
-  return (PetscBool)(f < self->left || (learned && f >= learned->mech));
+  return (PetscBool)(f < self->left || (learned && f >= learned->mech) ||
+                     (LearnedExtra(self->leg->rod) && f == learned->mech - 1)); /* L */
 }
 
 /* The step's local error at the coarse nodes of this rank comes on top of those before, which have

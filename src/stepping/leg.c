@@ -171,6 +171,7 @@ static PetscErrorCode CarryLearned(TS ts, PetscReal t, PetscInt m, const PetscRe
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
+  PetscCall(LearnedKeepWay(leg->rod, m, times, points));
   PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, sum));
   PetscFunctionReturn(0);
 }

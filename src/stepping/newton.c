@@ -343,8 +343,9 @@ static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(rod->comm, &ranks));
-  *has = (PetscBool)(rod->model->eliminate && EliminationCan(rod->model->halves, ranks) &&
-                     ends.clamped && (ranks == 1 || !ends.tip_held));
+  *has = (PetscBool)(rod->model->eliminate && !LearnedExtra(rod) &&
+                     EliminationCan(rod->model->halves, ranks) && ends.clamped &&
+                     (ranks == 1 || !ends.tip_held));
   PetscFunctionReturn(0);
 }
 

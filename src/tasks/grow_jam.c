@@ -20,6 +20,11 @@ static PetscBool PressedDeep(const Contact *contact, const Observation *seen) {
   return (PetscBool)(ContactSoftDepth(contact, seen->penetration) > most);
 }
 
+/* GrowStalls - does a rod whose growth feels force hardly grow any more? */
+PetscBool GrowStalls(const Grow *self) {
+  return (PetscBool)(self->scene->growth->yield > 0 && self->seen.growth_rate < grow_rule.stalled);
+}
+
 /*
   GrowIsJammed - is the rod jammed, as far as the latest step tells? The same on every rank.
 */
@@ -33,7 +38,7 @@ PetscBool GrowIsJammed(Grow *self) {
     self->kept.window_steps = 0;
   } else
     self->kept.window_steps++;
-  if (!contact->any || !GrowPressedHard(self)) return PETSC_FALSE;
+  if (!contact->any || GrowStalls(self) || !GrowPressedHard(self)) return PETSC_FALSE;
   return (PetscBool)(self->kept.window_steps >= grow_rule.jam_steps || PressedDeep(contact, seen));
 }
 

@@ -24,6 +24,7 @@ PetscErrorCode GrowFindEnd(Grow *self) {
   self->reach = self->scene->reach;
   if (!self->watch.watched[EVENT_LENGTH] || stop > self->reach) PetscFunctionReturn(0);
   self->reach = stop;
+  if (self->scene->growth->yield > 0) PetscFunctionReturn(0); /* how it grows is not known yet */
   for (int i = 0; i < 40; i++) {
     middle = (low + self->end) / 2;
     PetscCall(GrowthLength(self->scene->growth, middle, &length, NULL));
@@ -277,7 +278,8 @@ static PetscErrorCode TellNotReached(const Grow *self) {
   for (int k = EVENT_NONE + 1; k < EVENT_KINDS; k++) {
     if (!watch->watched[k] || self->event.kind) continue;
     OptionBoth(self->seen.t, UNIT_TIME, text[0]);
-    OptionBoth(watch->bound[k], k == EVENT_ANGLE ? UNIT_NONE : UNIT_LENGTH, text[1]);
+    OptionBoth(watch->bound[k], k == EVENT_ANGLE || k == EVENT_STALL ? UNIT_NONE : UNIT_LENGTH,
+               text[1]);
     PetscCall(PetscPrintf(comm, "not reached by t = %s: -stop_%s%s%s\n", text[0], event_name[k],
                           k == EVENT_CONTACT ? "" : " ", k == EVENT_CONTACT ? "" : text[1]));
   }
@@ -324,6 +326,8 @@ static PetscErrorCode TellEvent(Grow *self) {
     PetscCall(PetscPrintf(comm, "touches a wall at s = %s\n", text[1]));
   else if (event->kind == EVENT_FORCE)
     PetscCall(PetscPrintf(comm, "pushed with %s at s = %s\n", text[3], text[1]));
+  else if (event->kind == EVENT_STALL)
+    PetscCall(PetscPrintf(comm, "growth slowed down to %s of its speed without force\n", text[3]));
   else if (event->kind == EVENT_ANGLE)
     PetscCall(PetscPrintf(comm, "an angle of %s at s = %s\n", text[3], text[1]));
   else
@@ -427,6 +431,30 @@ PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]) {
   PetscFunctionReturn(0);
 }
 
+/* Growth that feels force and has stalled: by what most of the thrust is taken. */
+static PetscErrorCode TellStall(const Grow *self) {
+  const Observation *seen = &self->seen;
+  const Load *load = &self->scene->load;
+  const PetscReal taken[] = {hypot(seen->friction_force_1, seen->friction_force_2),
+                             hypot(seen->wall_force_1, seen->wall_force_2),
+                             hypot(seen->tip_force_1, seen->tip_force_2),
+                             load->weighs ? hypot(seen->weight_force_1, seen->weight_force_2) : 0};
+  static const char *const by[] = {"friction takes", "walls take", "what presses on the tip takes",
+                                   "the rod's weight takes"};
+  char text[2][64];
+  int most = 0;
+
+  PetscFunctionBegin;
+  if (!GrowStalls(self)) PetscFunctionReturn(0);
+  for (int k = 1; k < (int)PETSC_STATIC_ARRAY_LENGTH(taken); k++)
+    if (taken[k] > taken[most]) most = k;
+  PetscCall(PetscPrintf(self->scene->comm,
+                        "stalled at length %s: %s all that growth can push (-growth_yield %s)\n",
+                        OptionBoth(seen->length, UNIT_LENGTH, text[0]), by[most],
+                        OptionBoth(self->scene->growth->yield, UNIT_FORCE, text[1])));
+  PetscFunctionReturn(0);
+}
+
 /* GrowSummary - the last words on a run. Collective. */
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
@@ -459,6 +487,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellPlane(self));
   PetscCall(TellStraight(self));
   PetscCall(TellContact(self));
+  PetscCall(TellStall(self));
   PetscCall(TellEvent(self));
   PetscCall(TellNotReached(self));
   if (!OutputStores(self->output))

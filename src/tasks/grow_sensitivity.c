@@ -152,6 +152,8 @@ static PetscErrorCode Refuse(Grow *self, const char *output, const char *restart
   UserCheck(scene->shape.type != SHAPE_MODE, scene->comm,
             "-sensitivity: -shape_type mode depends on the whole scene; give another shape");
   PetscCall(PetscObjectTypeCompare((PetscObject)self->leg[FRAME].ts, TSVBDF, &vbdf));
+  UserCheck(scene->growth->yield == 0, scene->comm,
+            "-sensitivity: is not followed where growth feels force; take -growth_yield out");
   UserCheck(vbdf, scene->comm, "-sensitivity: follows the steps of vbdf; take -ts_type out");
   PetscFunctionReturn(0);
 }

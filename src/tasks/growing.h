@@ -124,6 +124,7 @@ PetscErrorCode GrowLocateEvent(Grow *self, PetscReal *t, Vec U, Vec U_t);
 
 /* grow_jam.c */
 PetscBool GrowPressedHard(const Grow *self);
+PetscBool GrowStalls(const Grow *self);
 PetscBool GrowIsJammed(Grow *self);
 PetscBool GrowSlips(Grow *self);
 PetscBool GrowHeldTwice(const Grow *self);

@@ -100,8 +100,10 @@ static PetscErrorCode RunTask(Scene scene, const Single *asked, Member *member) 
 
   PetscFunctionBegin;
   UserCheck(!scene->tropism.any || asked->task == TASK_GROW, scene->comm,
-            "-tropism_, -growth_ironing: -task critical and stability do not know of a natural "
-            "curvature that the material learns; take them out");
+            "%s: -task critical and stability do not know of %s; take it out",
+            scene->growth->yield > 0 ? "-growth_yield" : "-tropism_, -growth_ironing",
+            scene->growth->yield > 0 ? "growth that feels force"
+                                     : "a natural curvature that the material learns");
   if (asked->task == TASK_CRITICAL) PetscCall(BentAsked(scene, &bent));
   if (!bent && (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL))
     PetscCall(CheckStraight(scene));

@@ -79,7 +79,7 @@ def same(one, other, slides=False):
     return True
 
 
-MOST_WORDS = 9000 + 150 + 250  # of docs/theory, formulas with them; and for what is steered or fed by a schedule, and senses
+MOST_WORDS = 9000 + 150 + 250 + 150  # of docs/theory, formulas with them; for what is steered or fed by a schedule, senses, yields
 
 
 def missing(text, names, source):
@@ -211,7 +211,8 @@ class Theory(unittest.TestCase):
 
 USERS = [ROOT / "README.md", ROOT / "options/README.md",
          *sorted(page for page in ROOT.glob("docs/*.md") if page.name not in ("options.md", "datasets.md", "library.md"))]
-USERS_WORDS, SENTENCE = 18000 + 450 + 350 + 1150, 20  # ... and for what is steered or fed by a schedule, senses, is touched; and what pictures show
+# ... and for what is steered or fed by a schedule, senses, yields, is touched; what pictures show; plants that touch
+USERS_WORDS, SENTENCE = 18000 + 450 + 350 + 290 + 1150 + 350, 20
 
 
 def sentences(text):

@@ -6,6 +6,7 @@
 
 import argparse
 import contextlib
+import html
 import importlib.util
 import io
 import json
@@ -856,6 +857,44 @@ class Package(unittest.TestCase):
                                 and box.y1 <= whole.y1, f"{a} is cut off")
                 for b, other in found[:i]:
                     self.assertFalse(box.overlaps(other), f"{a} lies over {b}")
+
+    def test_a_rod_that_senses_is_drawn(self):
+        """Its lamp in pictures, films and pages; where it grows, all of which is its speed; at rest its bend is its set point."""
+        from tendril import bends, senses, solids
+        from tendril.films import Film
+        from tendril.units import Units
+
+        shoot = dict(growth_initial_length=1, shape_type="straight", rod_cells=20, tropism_light=2, tropism_proprioception=1)
+        flat, lifted = (tendril.run(shoot, growth_type="apical", growth_zone=0.7, tropism_source="3mm,2mm", rod_model=model, ts_max_time=0.3,
+                                    si_bending_stiffness="1Nmm^2", si_friction_dry="1N/mm", si_speed="1mm/h") for model in ("frame", "space"))
+        for r in (flat, lifted):
+            np.testing.assert_allclose(senses.lamp(r, 2), [3, 2], rtol=1e-12)
+            shape = r.stored(-1)
+            p = np.cumsum(np.r_[0, np.linalg.norm(np.diff(shape.x, axis=0), axis=1)])
+            self.assertAlmostEqual(np.trapezoid(senses.strain_rate(r, shape), p), 1, delta=5e-3)
+            picture = tendril.plot(r, "shapes,bends,growth,portrait")
+            stars = [line.get_xydata()[0] for ax in picture.axes for line in ax.lines if line.get_marker() == "*"]
+            np.testing.assert_allclose(stars, [[3, 2]] * 2, rtol=1e-12)
+        found = re.search(r'"lamp": ?\[([^]]*)\]', html.unescape(tendril.view(flat)._repr_html_()))
+        np.testing.assert_allclose([float(word) for word in found[1].split(",")], [3, 2], rtol=1e-12)
+        self.assertTrue(any(line.get_marker() == "*" for line in Film(flat, [flat.stored(-1)], Units([flat])).figure.axes[0].lines))
+        np.testing.assert_allclose(solids.solids(lifted)[-1].vertices.mean(axis=0), [3, 2, 0], atol=0.05)
+        rest = tendril.run(shoot, growth_type="none", tropism_rate=1, tropism_source="2,1", ts_max_time=40, friction_mu=0)
+        (_, _, bend), _, (_, _, goal) = bends.bends_of(rest, rest.stored(-1))
+        np.testing.assert_allclose(goal[:-1], bend[:-1], atol=1e-4)
+
+    def test_lengths_are_true_whatever_axis_points_up(self):
+        import matplotlib.pyplot as plt
+
+        from tendril.perspective import furnish
+
+        for up in (1, -2, 3):
+            ax = plt.figure().add_subplot(projection="3d")
+            furnish(ax, np.zeros(3), np.array([3, 1, 0.5]), up, (30, 20), str)
+            ax.set_proj_type("ortho")
+            seen = np.linalg.norm(ax.get_proj()[:3, :3], axis=0)
+            np.testing.assert_allclose(seen, seen[0], rtol=1e-9)
+            plt.close(ax.figure)
 
     def test_overlay(self):
         """Every run in every panel, each in its own colour."""

@@ -111,6 +111,25 @@ static void TestLearnedJacobians(void **state) {
       }
 }
 
+/* ... whose growth feels force, in a state that goes no faster backwards than it would forwards. */
+static void TestYieldingJacobians(void **state) {
+  static const char *const learns[] = {
+      "",
+      " -tropism_gravity 2 -tropism_direction 0.3,-1 -tropism_proprioception 1.5 "
+      "-growth_ironing 3 -tropism_sensed tip -tropism_memory 0.4",
+      " -tropism_gravity 2 -tropism_direction 0.3,-1 -tropism_memory 0.4 -tropism_light 1 "
+      "-tropism_source 4,5"};
+  static const int yielding[] = {UNIFORM, FEED, APICAL};
+  char more[320];
+
+  for (int law = 0; law < 3; law++)
+    for (size_t k = 0; k < sizeof(learns) / sizeof(learns[0]); k++) {
+      (void)snprintf(more, sizeof(more), " -growth_yield 30 -tip_force 0.4 -tip_law resistance%s%s",
+                     learns[k], k && yielding[law] == FEED ? " -tropism_rate 0.7" : "");
+      JacobianByRate(&models[FRAME], yielding[law], 3, more);
+    }
+}
+
 static void TestJacobians(void **state) {
   for (int m = 0; m < MODELS; m++)
     for (int law = 0; law < LAWS; law++) {
@@ -380,9 +399,13 @@ static void TestGrowNodes(void **state) {
   }
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians),       cmocka_unit_test(TestLearnedJacobians),
-    cmocka_unit_test(TestDrivenJacobians), cmocka_unit_test(TestWorld),
-    cmocka_unit_test(TestPrimalDual),      cmocka_unit_test(TestMirror),
-    cmocka_unit_test(TestSetAndGet),       cmocka_unit_test(TestGrowNodes)};
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJacobians),
+                                          cmocka_unit_test(TestLearnedJacobians),
+                                          cmocka_unit_test(TestYieldingJacobians),
+                                          cmocka_unit_test(TestDrivenJacobians),
+                                          cmocka_unit_test(TestWorld),
+                                          cmocka_unit_test(TestPrimalDual),
+                                          cmocka_unit_test(TestMirror),
+                                          cmocka_unit_test(TestSetAndGet),
+                                          cmocka_unit_test(TestGrowNodes)};
 MAIN(tests)

@@ -64,6 +64,23 @@ function drawWalls(u, run, f) {
   }
 }
 
+// A star of eight rays.
+function drawLamp(u, run, f) {
+  if (!run.lamp) return;
+  const [x, y] = ["x", "y"].map((axis, i) => u.valToPos(run.lamp[i] * f, axis, true)), ctx = u.ctx;
+  ctx.beginPath();
+  for (let k = 0; k < 16; k++) {
+    const far = (k % 2 ? 3 : 8) * devicePixelRatio, angle = k * Math.PI / 8;
+    ctx.lineTo(x + far * Math.cos(angle), y + far * Math.sin(angle));
+  }
+  ctx.closePath();
+  ctx.fillStyle = "#f0c000";
+  ctx.fill();
+  ctx.strokeStyle = "#8a6d00";
+  ctx.lineWidth = devicePixelRatio;
+  ctx.stroke();
+}
+
 // Arrows of forces, of which `strongest` is the longest; they begin at their places, or end there.
 function drawForces(u, places, forces, strongest, colour, f, end) {
   const scale = ARROW_SHARE * u.bbox.width / strongest, ctx = u.ctx;
@@ -120,6 +137,7 @@ function drawRods(u) {
   u.ctx.lineCap = u.ctx.lineJoin = "round";
   const shown = data.runs.filter((run) => run.shown);
   for (const run of shown) drawWalls(u, run, factor(run, "l"));
+  for (const run of shown) drawLamp(u, run, factor(run, "l"));
   for (const run of shown) drawRun(u, run);
   const x = u.valToPos(0, "x", true), y = u.valToPos(0, "y", true), size = 8 * devicePixelRatio;
   u.ctx.fillStyle = "#000";
