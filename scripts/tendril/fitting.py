@@ -30,6 +30,7 @@ from scipy import stats
 from .doubts import warnings_of
 from .errors import RunError, TendrilError, arguments, number, whole
 from .fit_report import bands, describe, draw, indistinct, save, scene_text, table
+from .fit_seen import FitSeen
 from .found import Found
 from .measured import gather
 from .noise import Certainty, certainty
@@ -375,7 +376,7 @@ def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, job
 def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", fps: float | None = None, y_down: bool | None = None,
         priors: Mapping[str, tuple | str] | None = None, tied: Mapping[str, str] | None = None,
         noise: Mapping[str, str] | None = None, accuracy: float = 3e-4, starts: int | None = None,
-        seed: int = 1, jobs: int | None = None, progress: bool | None = None, **options) -> Fit:
+        seed: int = 1, jobs: int | None = None, progress: bool | None = None, watch=None, **options) -> Fit:
     """Finds the parameters of a scene that give what was measured.
 
     scene       as for run
@@ -396,6 +397,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
                 parameter, 12 for two, else 8
     seed        of these points
     progress    a bar of the runs, and a line for each stage; None: the bar alone, in a terminal and in a notebook
+    watch       a page of tendril.watch(), which shows the rods that are tried over what was measured
     options     that all runs have, as for run; {name} in their text is a parameter
 
     Ctrl-C ends the search; the best until then is returned. Raises TendrilError, in one line, for data or a
@@ -404,6 +406,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     check_numbers(unit, fps, y_down, accuracy, starts, seed, jobs)
     problem = made(scene, data, parameters, unit=unit, fps=fps, y_down=y_down, priors=priors, tied=tied, noise=noise,
                    jobs=jobs, options=options)
+    problem.seen = FitSeen(watch, problem) if watch else None
     p = len(problem.parameters)
     tell = problem.show(progress, expected=(starts or 8) + sum(runs_of_stages(problem)))
     agreed, costs, interrupted = True, [], False
@@ -421,7 +424,10 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     except BaseException:
         problem.hide(done=False)
         raise
-    return finished(problem, best, known, costs, begin, interrupted, agreed or starts == 0, tell)
+    found = finished(problem, best, known, costs, begin, interrupted, agreed or starts == 0, tell)
+    if problem.seen:
+        problem.seen.ended(found)
+    return found
 
 
 def finished(problem: Problem, best: Solution, known: Certainty, costs, begin, interrupted, agreed, tell) -> Fit:

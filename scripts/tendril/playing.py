@@ -11,6 +11,7 @@ from pathlib import Path
 from .errors import TendrilError
 from .runs import rows_of, scene_file, texts_of
 from .simulation import Simulation
+from .units import in_si, quantity
 
 FILES = ("wall_file", "growth_path", "growth_table", "friction_field", "tip_field", "tip_path", "clamp_path",
          "rod_stiffness_file", "rod_curvature_file", "shape_file", "change_file")
@@ -165,6 +166,31 @@ def add_posts(played, directory, posts):
     file.write_text("\n".join(lines) + "\n")
     played.options["wall_file"] = str(file)
     played.walls = walls_in(file)
+
+
+SENSES = (("tropism_light", "pull of the lamp", "1/l", -5, 5), ("tropism_gravity", "pull of gravity on growth", "1/l", -5, 5),
+          ("tropism_proprioception", "how it straightens", "1", 0, 5), ("tropism_nutation", "nutation", "1/l", -5, 5),
+          ("growth_ironing", "how growth gives way to moments", "1", 0, 500))
+
+
+def senses(setup) -> list[dict]:
+    """Of growth that senses or learns, what may be changed: what the run began with."""
+    found = []
+    for name, label, unit, low, high in SENSES:
+        value = float(setup.attributes.get(f"parameters/{name}", 0) or 0)
+        if value != 0:
+            found.append({"name": name, "label": label, "value": value, "low": min(low, 2 * value), "high": max(high, 2 * value), "unit": unit, "of": name})
+    return found
+
+
+def place_of(setup, name):
+    """[3], a place or direction that an option gives, dimensionless; None: it does not."""
+    text = str(setup.attributes.get(f"parameters/{name}", "") or "")
+    if not text:
+        return None
+    parts = [quantity(part) for part in text.split(",")]
+    x = [number * in_si(unit) / setup.scale("length") if unit else number for number, unit in parts]
+    return [*x, 0.0, 0.0][:3]
 
 
 def controls(played, space) -> list[dict]:

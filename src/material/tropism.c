@@ -119,6 +119,55 @@ void TropismFrame(Tropism *self, const PetscReal lab[3][3]) {
   }
 }
 
+/* The number of the law that an option is, where it may change in a run; NULL: it is none. */
+static PetscReal *NumberOf(Tropism *self, const char *name) {
+  if (!strcmp(name, "-tropism_gravity")) return &self->gravity;
+  if (!strcmp(name, "-tropism_light")) return &self->light;
+  if (!strcmp(name, "-tropism_proprioception")) return &self->proprioception;
+  if (!strcmp(name, "-tropism_nutation")) return &self->nutation[0];
+  return !strcmp(name, "-growth_ironing") ? &self->ironing : NULL;
+}
+
+/* ... and the vector; sensed: the strength with which it is. */
+static PetscReal *VectorOf(Tropism *self, const char *name, PetscReal *sensed) {
+  const PetscBool lamp = (PetscBool)!strcmp(name, "-tropism_source");
+
+  *sensed = lamp ? self->light : self->gravity;
+  return lamp ? self->source : self->direction;
+}
+
+/*
+  TropismChange - a number or a vector of the law is what the options have by now. What was 0 from
+  the start stays so: the run follows nothing that only it would need. Collective on OptionsComm().
+
+  lab    the axes of the clamp's frame in the laboratory, its columns
+  space  the rod is in space: a vector may point out of the plane
+*/
+PetscErrorCode TropismChange(Tropism *self, const char *name, const PetscReal lab[3][3],
+                             PetscBool space) {
+  PetscReal *number = NumberOf(self, name), *vector, sensed, v[3] = {0, 0, 0}, size = 1;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  if (number) {
+    UserCheck(*number != 0, OptionsComm(),
+              "%s: is 0 in this run; begin it with a little of it, if it is to change", name);
+    PetscCall(OptionReal(name, &v[0], NULL));
+    *number = v[0] != 0 ? v[0] : PETSC_SMALL * *number; /* none, but that it can come back */
+    PetscFunctionReturn(0);
+  }
+  vector = VectorOf(self, name, &sensed);
+  UserCheck(sensed != 0, OptionsComm(), "%s: is not sensed in this run", name);
+  PetscCall(OptionVector(name, vector == self->source ? UNIT_LENGTH : UNIT_NONE, v, &given));
+  if (vector == self->direction) size = PetscSqrtReal(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  UserCheck(size > 0, OptionsComm(), "%s: has no length; give a direction, like 0,-1", name);
+  UserCheck(v[2] == 0 || space, OptionsComm(), "%s: leads out of the plane, in which this run is",
+            name);
+  for (int d = 0; d < 3; d++)
+    vector[d] = (lab[0][d] * v[0] + lab[1][d] * v[1] + lab[2][d] * v[2]) / size;
+  PetscFunctionReturn(0);
+}
+
 void TropismPull(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
                  PetscReal (*by_x)[3]) {
   PetscReal to[3], far, size;
