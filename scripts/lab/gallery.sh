@@ -59,6 +59,7 @@ for file in options/*.opts; do
     ;;
   root-helix | vine-heavy) what=(--panels space,shapes,curvature,twisting) ;;
   wire-spun | rod-bent) what=(--panels space,norm,curvature,twisting) ;;
+  seedlings) what=(--panels space --times 0.75 --view 30,25) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
   root-stones) what=(--panels shapes --times 1,3,6,10) ;;
   twisted-rod) what=(--panels space,curvature --times 0.05,0.3,0.6,10) ;;

@@ -11,7 +11,7 @@ import threading
 import time
 from array import array
 from collections import Counter, deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ import numpy as np
 from .errors import RunError, TendrilError
 from .outbox import ROWS, thin
 from .playing import NUMBER, Played, controls, may_lead_tip, place_of, said_rows, save_scene, senses
+from .results import Table
 from .runs import run
 from .simulation import BY_WORDS, Simulation
 
@@ -87,7 +88,7 @@ class Session:
         self.space = self.sim.space
         self.branch = Branch(0)
         self.branches.append(self.branch)
-        self.controls = controls(played, self.space) + senses(self.setup)
+        self.controls = controls(played, self.space, self.setup) + senses(self.setup)
         offered = {c["name"] for c in self.controls}
         self.lamp_at = place_of(self.setup, "tropism_source") if "tropism_light" in offered else None
         self.pull_at = place_of(self.setup, "tropism_direction") if "tropism_gravity" in offered else None
@@ -115,7 +116,7 @@ class Session:
         from .units import in_laboratory, laboratory_units
 
         r = self.setup
-        units = laboratory_units([r])
+        units = laboratory_units([replace(r, series=self.typical())])
         return {"kind": "scene", "name": self.played.name, "space": self.space, "flat": not self.space, "controls": self.controls,
                 "walls": drawn_walls(self), "diameter": float(r.diameter), "leads": may_lead_tip(self.played),
                 "pulls": self.played.held == "free", "lamp": self.lamp_at is not None, "posts": len(self.played.posts), "charts": charts_of([r]),
@@ -123,6 +124,12 @@ class Session:
                 "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
                 "units": {unit: name for unit, (name, _) in units.items()},
                 "options": "\n".join(f"-{k} {v}" for k, v in self.played.options.items()), "to": None}
+
+    def typical(self):
+        """Series as large as those of the run may get, for units that suit them all along."""
+        length = float(self.sim.series["length"][0])
+        largest = {"t": self.end, "length": length + (self.end if self.played.feeds else length), "base_force_1": length + 1}
+        return Table({name: np.append(values, largest.get(name, 1.0)) for name, values in self.setup.series.items()})
 
     def begin(self):
         self.thread.start()

@@ -75,7 +75,10 @@ static inline PetscBool ContactHasRidges(const Contact *contact) {
 enum { WALL_SLOTS = 4 };
 
 /* contact_touch.c; dims: 2 in the plane, 3 in space */
-void ContactSetFrame(Contact *contact, const PetscReal lab[3][3], PetscReal clamp_angle);
+void ContactSetFrame(Contact *contact, const PetscReal lab[3][3], PetscReal clamp_angle,
+                     const PetscReal place[3]);
+void ContactToLab(const Contact *contact, const PetscReal x[3], PetscReal lab[3]);
+void ContactToWalls(const Contact *contact, const PetscReal x[3], PetscReal y[3]);
 void ContactStandOff(Contact *contact, PetscReal *off);
 PetscInt ContactTouches(int dims, const Contact *contact, const PetscReal x[3],
                         Touch touch[MOST_TOUCHES]);
