@@ -75,7 +75,7 @@ static PetscReal Largest(const PetscReal residual[GROUPS]) {
   MindsForces - must a step of a rod that can touch not be accepted without its forces? One that is
   so long that a place which moves in it by no more than what is not seen does not snap; and one
   whose residual is larger than that of its guess: nothing has been found in it. At the brink of a
-  snap velocities double in each iteration from next to nothing on, and one that has run wild falls
+  snap velocities double in each iteration from next to nothing on, and one that diverged falls
   back to there: after some iterations such a rod was taken for one at rest, without balance, or
   crept on in steps of such noise. (In shorter steps speeds are noise whatever is done, and starts
   that are far out of balance, as their guesses are, fall in some in which no force can be told.)
@@ -99,7 +99,7 @@ static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
 
 /*
   Hopeless - will the iteration of a rod that can touch not arrive? Most that fail went on to the
-  last of them: full steps run wild, to residuals of 1e10; those that are cut creep along in ever
+  last of them: full steps diverge, to residuals of 1e10; those that are cut stall in ever
   shorter ones. The former are given up where the residual has been so many times that of the guess,
   so many times in a row (one that finds its way from far out of balance comes back from there), but
   not before the EARLIEST (the first are, of a rod that leaves a stiff wall), the latter where it
@@ -110,11 +110,13 @@ static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBo
                   halves = (PetscBool)(residual <= step_rule.stalls * self->halved);
 
   if (begins || halves) self->halved = residual;
-  self->creeps = begins || halves ? 0 : self->creeps + 1;
-  self->wild = !begins && residual > step_rule.diverges * self->guess ? self->wild + 1 : 0;
-  return (PetscBool)(RodTouches(self->rod) && (cut ? self->creeps >= step_rule.stalls_iterations
-                                                   : it >= step_rule.diverges_earliest &&
-                                                         self->wild >= step_rule.diverges_times));
+  self->stalled = begins || halves ? 0 : self->stalled + 1;
+  self->diverging =
+      !begins && residual > step_rule.diverges * self->guess ? self->diverging + 1 : 0;
+  return (PetscBool)(RodTouches(self->rod) &&
+                     (cut ? self->stalled >= step_rule.stalls_iterations
+                          : it >= step_rule.diverges_earliest &&
+                                self->diverging >= step_rule.diverges_times));
 }
 
 /* The speed at which a place that is held must creep to be seen in this step: to go as far as the
