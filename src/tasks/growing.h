@@ -25,7 +25,7 @@ typedef struct {
   PetscReal until;          /* ... and what is beyond waits to be looked at */
   PetscBool waits;          /* the step that was taken last does */
   PetscBool enters;         /* the stepper begins to solve: at the start, and with another model */
-  PetscBool over;           /* no step follows, */
+  PetscBool again;          /* no step follows, */
   TSConvergedReason reason; /* for this reason */
   PetscReal balance[BALANCE_STATE]; /* of energy, of a run by steps, as the latest one began */
   PetscInt marks;
@@ -100,12 +100,12 @@ PetscErrorCode GrowStep(Grow *self, PetscReal until);
 PetscErrorCode GrowWithin(Grow *self, PetscReal t, Vec V[2], PetscReal *begin);
 PetscErrorCode GrowSettle(Grow *self, PetscReal t);
 PetscErrorCode GrowChange(Grow *self, PetscBool acts);
-PetscErrorCode GrowAnew(Grow *self);
+PetscErrorCode GrowStartOver(Grow *self);
 
 /* grow_end.c */
 PetscReal GrowBaseForce(const Observation *seen);
 PetscErrorCode GrowEnd(Grow *self, PetscBool finished);
-PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
+PetscErrorCode GrowFinish(Grow *self, PetscBool *again);
 
 /* grow_changes.c */
 PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);
