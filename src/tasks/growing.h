@@ -25,7 +25,7 @@ typedef struct {
   PetscReal until;          /* ... and what is beyond waits to be looked at */
   PetscBool waits;          /* the step that was taken last does */
   PetscBool enters;         /* the stepper begins to solve: at the start, and with another model */
-  PetscBool again;          /* no step follows, */
+  PetscBool over;           /* no step follows, */
   TSConvergedReason reason; /* for this reason */
   PetscReal balance[BALANCE_STATE]; /* of energy, of a run by steps, as the latest one began */
   PetscInt marks;
