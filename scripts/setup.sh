@@ -49,6 +49,18 @@ install_packages() {
     "${root[@]}" apt-get install -y --no-install-recommends "${missing[@]}"
 }
 
+# A browser without a screen, for the tests of pages; without one these say that they are left out.
+install_browser() {
+  local one root=()
+  for one in chromium chromium-browser google-chrome chromium-headless-shell; do
+    if command -v "$one" >/dev/null; then return; fi
+  done
+  if [ "$(id -u)" != 0 ]; then root=(sudo -n); fi
+  echo "setup: installing chromium-headless-shell, for the tests of pages"
+  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends chromium-headless-shell >>"$log" 2>&1 </dev/null ||
+    echo "setup: it cannot be had: pages are NOT TRIED in a browser"
+}
+
 # What .venv was made for: an older one is brought up to date, and keeps what else is in it.
 wanted() {
   cat scripts/requirements.txt scripts/pyproject.toml
@@ -78,4 +90,5 @@ make_venv() {
 mkdir -p build
 : >"$log"
 install_packages
+if [ "${1:-}" = tests ]; then install_browser; fi
 make_venv

@@ -13,4 +13,6 @@ scripts/setup.sh tests
 echo "test: building build-test/"
 build build-test all -DTENDRIL_WERROR="${TENDRIL_WERROR:-OFF}" -DPython3_EXECUTABLE="$PWD/.venv/bin/python"
 # one more than there are cores: some wait, for a browser or for a process that is held
-ctest --test-dir build-test --output-on-failure --parallel "$(($(cores) + 1))" "$@"
+ctest --test-dir build-test --output-on-failure --parallel "$(($(cores) + 1))" "$@" && status=0 || status=$?
+.venv/bin/python -c 'import sys; sys.path.insert(0, "tests/support"); import chromium; chromium.FOUND or print("test: pages were", chromium.MISSING)'
+exit "$status"

@@ -21,6 +21,7 @@ from .command import Parser, per_second
 from .errors import TendrilError, complaint, writable
 from .fitting import fit
 from .measured import Measured, gather, named, read
+from .watching import live_options, shown_live
 
 LEFT = (".opts", ".txt", ".csv", ".json", ".png", ".pdf")
 
@@ -103,6 +104,7 @@ def main(arguments=None):
     parser.add_argument("--accuracy", type=float, default=3e-4, help="of the runs; default %(default)s")
     parser.add_argument("--starts", type=int, help="that fill the bounds; default 24 for one parameter, 12 "
                         "for two, else 8")
+    live_options(parser)
     parser.add_argument("--seed", type=int, default=1, help="of the starts; default %(default)s")
     words = list(sys.argv[1:] if arguments is None else arguments)
     own, more = (words[:words.index("--")], words[words.index("--") + 1:]) if "--" in words else (words, [])
@@ -121,13 +123,14 @@ def main(arguments=None):
         data = measured(choice.data, choice.unit, choice.fps)
         for note in data.notes:
             print(f"fit: {note}")
-        found = fit(choice.scene, data, parameters(choice.parameter), unit=choice.unit, y_down=choice.y_down,
-                    priors=pairs(choice.prior, "prior", "NAME=MEAN:DEVIATION"),
-                    tied=pairs(choice.tied, "tied", "NAME=FORMULA"),
-                    noise=pairs(choice.noise, "noise", "lines=0.5mm or SERIES=NOISE"),
-                    accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed, progress=True, **options(more))
-        print(found.report())  # before it is kept: it is not lost, whatever befalls the files
-        found.save(choice.output)
+        with shown_live(choice.live, choice.port, not choice.no_browser) as page:
+            found = fit(choice.scene, data, parameters(choice.parameter), unit=choice.unit, y_down=choice.y_down,
+                        priors=pairs(choice.prior, "prior", "NAME=MEAN:DEVIATION"),
+                        tied=pairs(choice.tied, "tied", "NAME=FORMULA"),
+                        noise=pairs(choice.noise, "noise", "lines=0.5mm or SERIES=NOISE"),
+                        accuracy=choice.accuracy, starts=choice.starts, seed=choice.seed, progress=True, watch=page, **options(more))
+            print(found.report())  # before it is kept: it is not lost, whatever befalls the files
+            found.save(choice.output)
     except (TendrilError, OSError) as error:
         print(complaint(error, "fit"), file=sys.stderr)
         return 1

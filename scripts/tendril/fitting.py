@@ -30,13 +30,14 @@ from scipy import stats
 from .doubts import warnings_of
 from .errors import RunError, TendrilError, arguments, number, whole
 from .fit_report import bands, describe, draw, indistinct, save, scene_text, table
+from .fit_seen import FitSeen
 from .found import Found
 from .measured import gather
 from .noise import Certainty, certainty
 from .parameters import Parameter, Prior
 from .problem import Problem, Solution
 from .profiles import followed_out
-from .starting import starting_points
+from .starting import exchanged, starting_points
 from .units import PIXEL
 
 SEARCH, COARSEST = 30, 0.1  # the search for a start is made with so many times the error of the final runs, and no more
@@ -209,6 +210,9 @@ def search(problem: Problem, starts, accuracy, seed, tell):
         if agreed or starts == 0:
             break
         points = starting_points(problem, max(starts, 1) * 2 ** (doubling + 1), seed + doubling + 1)[1:]
+    if (other := exchanged(problem, ends[0].u)) is not None:
+        problem.run([other])
+        ends = sorted(ends + followed(problem, [other]), key=lambda s: s.cost)
     if all(s.flat for s in ends):
         raise TendrilError(f"fit: {', '.join(p.name for p in problem.parameters)}: changes nothing of what was measured; a rod "
                            "that is straight by nature stays straight: look for rod_curvature, too, or give it")
@@ -226,7 +230,17 @@ def less_likely(errors, raw, errors_before, raw_before):
 def certain(problem: Problem, best: Solution, tell):
     """(the least cost, what is known of it); where the linearised problem tells next to nothing, by the cost itself."""
     best, known, rises = settled(problem, best, tell)
+    other = exchanged_end(problem, best)
+    if other and other.cost < best.cost - BETTER:
+        tell("memory and proprioception exchanged fit better")
+        best, known, rises = settled(problem, other, tell)
+        other = exchanged_end(problem, best)
     ends = followed_out(problem, best, known, rises, tell)
+    if other and other.cost < best.cost + max(rises):
+        half = known.reach * np.sqrt(np.diag(known.covariance))
+        for k in range(len(problem.parameters)):
+            low, high = ends.get(k, (best.u[k] - half[k], best.u[k] + half[k]))
+            ends[k] = min(low, max(other.u[k] - half[k], 0.0)), max(high, min(other.u[k] + half[k], 1.0))
     if not ends:
         return best, known
     half = known.reach * np.sqrt(np.diag(known.covariance))
@@ -235,6 +249,16 @@ def certain(problem: Problem, best: Solution, tell):
         if 0 < low and high < 1:  # else nothing shows how far it would go on
             part[k] = min(1.0, 0.5 * (high - low) / half[k])
     return best, Certainty(known.covariance * np.outer(part, part), known.reach, ends)
+
+
+def exchanged_end(problem: Problem, best: Solution):
+    """Of roots that remember, the least cost on the other side, where memory and straightening have changed places; None where
+    that is the same side."""
+    there = exchanged(problem, best.u)
+    if there is None:
+        return None
+    end = problem.solve(there, 1e-3)
+    return None if np.abs(end.u - best.u)[:len(problem.parameters)].max() < TOGETHER else end
 
 
 def settled(problem: Problem, best: Solution, tell, most=3):
@@ -375,7 +399,7 @@ def made(scene, data, parameters, *, unit, fps, y_down, priors, tied, noise, job
 def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", fps: float | None = None, y_down: bool | None = None,
         priors: Mapping[str, tuple | str] | None = None, tied: Mapping[str, str] | None = None,
         noise: Mapping[str, str] | None = None, accuracy: float = 3e-4, starts: int | None = None,
-        seed: int = 1, jobs: int | None = None, progress: bool | None = None, **options) -> Fit:
+        seed: int = 1, jobs: int | None = None, progress: bool | None = None, watch=None, **options) -> Fit:
     """Finds the parameters of a scene that give what was measured.
 
     scene       as for run
@@ -396,6 +420,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
                 parameter, 12 for two, else 8
     seed        of these points
     progress    a bar of the runs, and a line for each stage; None: the bar alone, in a terminal and in a notebook
+    watch       a page of tendril.watch(), which shows the rods that are tried over what was measured
     options     that all runs have, as for run; {name} in their text is a parameter
 
     Ctrl-C ends the search; the best until then is returned. Raises TendrilError, in one line, for data or a
@@ -404,6 +429,7 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     check_numbers(unit, fps, y_down, accuracy, starts, seed, jobs)
     problem = made(scene, data, parameters, unit=unit, fps=fps, y_down=y_down, priors=priors, tied=tied, noise=noise,
                    jobs=jobs, options=options)
+    problem.seen = FitSeen(watch, problem) if watch else None
     p = len(problem.parameters)
     tell = problem.show(progress, expected=(starts or 8) + sum(runs_of_stages(problem)))
     agreed, costs, interrupted = True, [], False
@@ -421,7 +447,10 @@ def fit(scene, data, parameters: Mapping[str, tuple | str], *, unit: str = "", f
     except BaseException:
         problem.hide(done=False)
         raise
-    return finished(problem, best, known, costs, begin, interrupted, agreed or starts == 0, tell)
+    found = finished(problem, best, known, costs, begin, interrupted, agreed or starts == 0, tell)
+    if problem.seen:
+        problem.seen.ended(found)
+    return found
 
 
 def finished(problem: Problem, best: Solution, known: Certainty, costs, begin, interrupted, agreed, tell) -> Fit:

@@ -54,8 +54,9 @@ def websockets():
 class Server:
     """A run, and the pages that look at it. One run at a time; pages may come and go."""
 
-    def __init__(self, results="results/live", port=0, host="127.0.0.1", posts=0):
+    def __init__(self, results="results/live", port=0, host="127.0.0.1", posts=0, study=None):
         self.results, self.host, self.port, self.posts = Path(results), host, port, posts
+        self.study = study  # a sweep or fit that is shown, and no run
         self.token = secrets.token_urlsafe(24)
         self.session: Session | None = None
         self.pages: dict = {}
@@ -87,7 +88,7 @@ class Server:
         directory.mkdir()
         self.runs += 1
         played = prepare(scene, options, directory, self.posts if posts is None else posts)
-        session = Session(played, directory, self.publish, self.results)
+        session = Session(played, directory, self.publish, self.results, leaves=True)
         before, self.session = self.session, session.begin()
         if before:
             threading.Thread(target=self.clear, args=(before,), daemon=True, name="tendril live ends").start()
@@ -235,7 +236,10 @@ class OnePage:
     def greet(self):
         """All there is, for a page that has just come, or for another run."""
         session = self.server.session
-        if session is None:
+        if self.server.study is not None:
+            for message in self.server.study.whole():
+                self.take(message)
+        elif session is None:
             self.take({"kind": "start", "gallery": gallery(), "form": first_scene()})
         else:
             self.take(session.scene())
@@ -264,6 +268,9 @@ class OnePage:
             self.take({"kind": "refused", "text": "this is no command", "command": {}})
             return
         command["from"] = self.number
+        if self.server.study is not None:
+            self.take({"kind": "refused", "text": "it is only looked at", "command": {}})
+            return
         if command["do"] in ("start", "draw", "home"):
             asyncio.ensure_future(self.begin(command))
         elif self.server.session is None:
@@ -288,7 +295,7 @@ def page_text(token):
         return "".join((WEB / name).read_text(encoding="utf-8") for name in names)
 
     parts = {"style": text("uplot/uPlot.min.css", "page.css", "live.css"), "uplot": text("uplot/uPlot.iife.min.js"),
-             "licence": text("uplot/LICENSE"), "script": text("format.js", "drawing.js", "live-draw.js", "live.js"), "token": json.dumps(token)}
+             "licence": text("uplot/LICENSE"), "script": text("format.js", "drawing.js", "live-draw.js", "live.js", "study.js"), "token": json.dumps(token)}
     page = (WEB / "live.html").read_text(encoding="utf-8")
     for name, part in parts.items():
         page = page.replace(f"@{name}@", part)
@@ -298,9 +305,9 @@ def page_text(token):
 class Live:
     """A server in a thread of its own, as Python and notebooks have it. close() ends it."""
 
-    def __init__(self, scene=None, *, port=0, results="results/live", posts=0, **options):
+    def __init__(self, scene=None, *, port=0, results="results/live", posts=0, study=None, **options):
         websockets()
-        self.server = Server(results, port, posts=posts)
+        self.server = Server(results, port, posts=posts, study=study)
         if scene is not None or options:
             self.server.start(scene, **options)
         self.stop, self.ready, self.fault = None, threading.Event(), None
@@ -343,7 +350,14 @@ class Live:
     def __exit__(self, *fault):
         self.close()
 
+    def __call__(self, message):
+        """A message of a sweep or fit that is shown."""
+        self.server.study.take(message)
+        self.server.publish(message)
+
     def _repr_html_(self):
+        if self.server.study is not None:
+            return f'<a href="{self.address}" target="_blank">sweeps and fits, seen while they go on</a>'
         return f'<a href="{self.address}" target="_blank">a run one can touch</a>; in the notebook itself: tendril.widget()'
 
     def __repr__(self):

@@ -21,7 +21,7 @@ FRAMES_A_SECOND = 20
 
 def script():
     """The page's own scripts as a module that a notebook loads."""
-    text = "\n".join((WEB / name).read_text(encoding="utf-8") for name in ("uplot/uPlot.iife.min.js", "format.js", "drawing.js", "live-draw.js", "live.js"))
+    text = "\n".join((WEB / name).read_text(encoding="utf-8") for name in ("uplot/uPlot.iife.min.js", "format.js", "drawing.js", "live-draw.js", "live.js", "study.js"))
     return text + """
 export default { render({ model, el }) {
   const connection = { hear: () => {}, lost: () => {}, open: true, send: (message) => model.send(message) };

@@ -11,6 +11,7 @@ from pathlib import Path
 from .errors import TendrilError
 from .runs import rows_of, scene_file, texts_of
 from .simulation import Simulation
+from .units import in_si, quantity
 
 FILES = ("wall_file", "growth_path", "growth_table", "friction_field", "tip_field", "tip_path", "clamp_path",
          "rod_stiffness_file", "rod_curvature_file", "shape_file", "change_file")
@@ -167,35 +168,67 @@ def add_posts(played, directory, posts):
     played.walls = walls_in(file)
 
 
-def controls(played, space) -> list[dict]:
+SENSES = (("tropism_light", "pull of the lamp", "1/l", -5, 5), ("tropism_gravity", "pull of gravity on growth", "1/l", -5, 5),
+          ("tropism_proprioception", "how it straightens", "1", 0, 5), ("tropism_nutation", "nutation", "1/l", -5, 5),
+          ("growth_ironing", "how growth gives way to moments", "1", 0, 500))
+
+
+def senses(setup) -> list[dict]:
+    """Of growth that senses or learns, what may be changed: what the run began with."""
+    found = []
+    for name, label, unit, low, high in SENSES:
+        value = float(setup.attributes.get(f"parameters/{name}", 0) or 0)
+        if value != 0:
+            found.append({"name": name, "label": label, "value": value, "low": min(low, 2 * value), "high": max(high, 2 * value), "unit": unit, "of": name})
+    return found
+
+
+def place_of(setup, name):
+    """[3], a place or direction that an option gives, dimensionless; None: it does not."""
+    text = str(setup.attributes.get(f"parameters/{name}", "") or "")
+    if not text:
+        return None
+    parts = [quantity(part) for part in text.split(",")]
+    x = [number * in_si(unit) / setup.scale("length") if unit else number for number, unit in parts]
+    return [*x, 0.0, 0.0][:3]
+
+
+def controls(played, space, setup) -> list[dict]:
     """What may be changed in a run of this scene: as the page offers it. of: what it means; kind: how it is given."""
     get, found = played.options.get, []
 
+    def number(name, usual):
+        """What the run began with, dimensionless."""
+        value = setup.attributes.get(f"parameters/{name}", usual)
+        return usual if isinstance(value, str) else float(value)
+
     def add(name, label, value, low, high, unit="1", of=None, **more):
+        if not low <= value <= high:
+            low, high = min(low, 2 * value), max(high, 2 * value)
         found.append({"name": name, "label": label, "value": value, "low": low, "high": high, "unit": unit, "of": of or name} | more)
 
     if played.feeds and "growth_path" not in played.options:
         add("feed_speed", "speed of feeding", 1.0, -2, 2, "V", keys=True)
     add("friction_factor", "friction, times", 1.0, 0.1, 10, log=True)
-    mu = played.number("friction_mu", 1)
+    mu = number("friction_mu", 1)
     if 0 < mu <= 0.999:
         add("friction_mu", "dry share of friction", mu, 0, 0.999)
     if played.held == "free":
         if get("tip_law", "dead") == "resistance":
-            add("tip_force", "resistance to the tip", played.number("tip_force", 0), 0, 5, "N l")
+            add("tip_force", "resistance to the tip", number("tip_force", 0), 0, 5, "N l")
         else:
-            add("tip_force", "force against the tip", played.number("tip_force", 0), -5, 5, "N l")
+            add("tip_force", "force against the tip", number("tip_force", 0), -5, 5, "N l")
         if space:
-            add("tip_torque", "torque on the tip", played.number("tip_torque", 0), -2, 2, "N l^2")
-    add("curvature_to", "natural curvature", played.number("rod_curvature", 0), -3, 3, "1/l", leads=True)
+            add("tip_torque", "torque on the tip", number("tip_torque", 0), -2, 2, "N l^2")
+    add("curvature_to", "natural curvature", number("rod_curvature", 0), -3, 3, "1/l", leads=True)
     if space:
-        add("curvature_2_to", "natural bend out of the plane", played.number("rod_curvature_2", 0), -3, 3, "1/l", leads=True)
-        add("twist_to", "natural twist", played.number("rod_twist", 0), -3, 3, "1/l", leads=True)
+        add("curvature_2_to", "natural bend out of the plane", number("rod_curvature_2", 0), -3, 3, "1/l", leads=True)
+        add("twist_to", "natural twist", number("rod_twist", 0), -3, 3, "1/l", leads=True)
         if get("clamp_type", "held") != "free" and "clamp_path" not in played.options:
-            add("clamp_spin", "spin of the clamp", played.number("clamp_spin", 0), -3, 3, "rad V/l", keys=True)
-    rub = any((wall.friction or 0) > 0 for wall in played.walls) or played.number("contact_friction", 0) > 0
+            add("clamp_spin", "spin of the clamp", number("clamp_spin", 0), -3, 3, "rad V/l", keys=True)
+    rub = any((wall.friction or 0) > 0 for wall in played.walls) or number("contact_friction", 0) > 0
     for wall in played.walls if rub else []:
-        usual = wall.friction if wall.friction is not None else played.number("contact_friction", 0)
+        usual = wall.friction if wall.friction is not None else number("contact_friction", 0)
         add(f"wall_friction {wall.line}", f"friction of wall {wall.line}, a {wall.kind}", usual, 0, 1, of="wall_friction")
     if played.held == "clamped" and not space and "tip_path" not in played.options:
         add("tip_turn_to", "direction of the tip", 0.0, -3.2, 3.2, "rad", leads=True)

@@ -80,6 +80,7 @@ class Problem:
         self.best: np.ndarray | None = None
         self.least, self.ended, self.lock = np.inf, False, Lock()
         self.bar: Stages | None = None
+        self.seen = None  # who looks on (fit_seen.FitSeen)
         self.known: dict = {}  # runs by their point
         self.points: dict = {}  # the points themselves
         # options by whose numbers runs tell their derivatives; none: derivatives are differences between runs
@@ -124,9 +125,8 @@ class Problem:
         line of its own where progress is asked for, else behind the bar."""
         shown = bar(None if progress else progress, expected, what="fit", unit="run")
         self.bar = Stages(shown)
-        if progress:
-            return lambda text: shown.write(f"fit: {text}")
-        return self.bar.tell
+        tell = (lambda text: shown.write(f"fit: {text}")) if progress else self.bar.tell
+        return self.seen.telling(tell) if self.seen else tell
 
     def counted(self, runs):
         """Counts runs that are made."""
@@ -371,7 +371,10 @@ class Problem:
         if isinstance(r, RunError) or not self.comparison.sees(r, u[len(self.parameters):]):
             return np.full(len(self.sigma), FAILED)
         raw = self.raw(u, r)
-        return self.errors.whitened(raw, search=True) if self.errors else raw / self.sigma
+        found = self.errors.whitened(raw, search=True) if self.errors else raw / self.sigma
+        if self.seen:
+            self.seen.tried(u, r, self.cost(found))
+        return found
 
     def measure_noise(self, u, share=None):
         """Sets the noise of each group as if all residuals erred by themselves: a share of what was
@@ -380,6 +383,8 @@ class Problem:
         if isinstance(r, RunError):
             raise r
         self.errors, self.least = None, np.inf  # costs are counted anew
+        if self.seen:
+            self.seen.fresh()
         values = self.raw(u, r)
         groups, spreads = np.array(self.comparison.groups), self.comparison.spreads()
         freedom = np.sqrt(max(1e-3, 1 - len(u) / len(values)))
@@ -443,6 +448,8 @@ class Problem:
         raw = self.raw(u, r)
         alone = np.r_[self.sigma[:len(raw) - len(self.priors)], np.ones(len(self.priors))]
         self.least = np.inf
+        if self.seen:
+            self.seen.fresh()
         self.errors = estimate(self.comparison.blocks, raw, jacobian, alone,
                                self.prior_information(len(u)), self.told_noise)
         self.noise = {name: g.total for name, g in self.errors.groups.items()}

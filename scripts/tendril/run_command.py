@@ -8,6 +8,7 @@ from pathlib import Path
 from .command import NEGATIVE, Parser
 from .errors import TendrilError
 from .runs import critical, run
+from .watching import live_options, shown_live
 
 RUN = """Runs a scene and draws it: an options file, or the name of one of the gallery. Options of tendril (docs/options.md)
 follow, as -friction_mu 0.5; they win over the scene's.
@@ -21,6 +22,7 @@ CRITICAL = """Tells at which length the straight rod of a scene gives way, and h
 SWEEP = """Runs a scene with several values of options, each combination of them, on all cores; a map or curves are drawn of it.
 
     tendril-py sweep feed -friction_mu 0.2,0.5,0.8
+    tendril-py sweep feed -friction_mu 0.2,0.5,0.8 --live
     tendril-py sweep feed -friction_mu 0.2,0.5,0.8 -rod_curvature 0,0.1 --output results/sweep.h5"""
 
 
@@ -47,6 +49,7 @@ def parsed(name, text, arguments, output, quantity=False):
         parser.add_argument("--output", metavar="FILE.h5", help="the result; default: results/SCENE.h5")
         parser.add_argument("--no-picture", action="store_true", help="draws none")
     if quantity:
+        live_options(parser)
         parser.add_argument("--quantity", default="width", help="what is drawn, the last value of a series; default: %(default)s")
     choice = parser.parse_args(own)
     if choice.scene is None and not options:
@@ -100,12 +103,13 @@ def sweep_main(arguments=None):
         raise TendrilError("sweep: give an option several values, with commas between: -friction_mu 0.2,0.5,0.8")
     rest = {name: value for name, value in options.items() if name not in axes}
     place = result_of(choice, "-sweep").with_suffix("")
-    found = sweep(choice.scene, axes, directory=place, **rest)
-    print(f"sweep: {place}/sweep.h5, {found!r}")
-    if not choice.no_picture and len(axes) <= 2:
-        from .maps import map
+    with shown_live(choice.live, choice.port, not choice.no_browser) as page:
+        found = sweep(choice.scene, axes, directory=place, watch=page, **rest)
+        print(f"sweep: {place}/sweep.h5, {found!r}")
+        if not choice.no_picture and len(axes) <= 2:
+            from .maps import map
 
-        quantity = choice.quantity
-        map(found, list(axes), quantity).savefig(place.with_suffix(".png"), dpi=150)
-        print(f"sweep: {place.with_suffix('.png')} has {quantity} over {' and '.join(axes)}")
+            quantity = choice.quantity
+            map(found, list(axes), quantity).savefig(place.with_suffix(".png"), dpi=150)
+            print(f"sweep: {place.with_suffix('.png')} has {quantity} over {' and '.join(axes)}")
     return 0

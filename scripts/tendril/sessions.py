@@ -3,29 +3,35 @@ it has. It knows nothing of who looks at it: what there is to see goes to a func
 
 from __future__ import annotations
 
+import contextlib
+import os
 import queue
+import shutil
 import threading
 import time
 from array import array
 from collections import Counter, deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from .errors import RunError, TendrilError
 from .outbox import ROWS, thin
-from .playing import NUMBER, Played, controls, may_lead_tip, said_rows, save_scene
+from .playing import NUMBER, Played, controls, may_lead_tip, place_of, said_rows, save_scene, senses
+from .results import Table
 from .runs import run
 from .simulation import BY_WORDS, Simulation
 
-KEEP_AT_MOST = 0.03  # of the time of computing, for states to go back to
+KEEP_AT_MOST = 0.03  # of the time that it runs, for states to go back to
+KEPT = 60  # of these, of a branch
 UNHURRIED = 20  # seconds that a run takes at first, if it can
 HAPPENINGS = 500  # the latest that are kept
 FRAMES = 240  # of a branch that are kept, to be looked at
 TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
 SLOW = 0.7  # seconds: a step that takes longer is told
 LOOKS = 1 / 30  # seconds between looks, at least: who looks sees no more
+LOOK_AT_MOST = 0.04  # of the time of computing, for looks, where the run does not wait anyway
 FAST = 30  # times the speed of growing: a place as fast snaps
 
 
@@ -65,9 +71,10 @@ class Session:
     """One run with its branches. Commands come by do(), from any thread; `publish` is called, in the run's own thread, with
     what has become of it."""
 
-    def __init__(self, played: Played, directory, publish=lambda message: None, results="."):
+    def __init__(self, played: Played, directory, publish=lambda message: None, results=".", leaves=False):
         self.played, self.directory, self.publish = played, Path(directory), publish
         self.results = Path(results)
+        self.so_far = self.results / f"{played.name}-so-far.h5" if leaves else None  # what is there after all if it is killed
         self.commands: queue.Queue = queue.Queue()
         self.running, self.closing = False, False
         self.written: dict[str, Path] = {}  # the files that a page may fetch
@@ -81,12 +88,21 @@ class Session:
         self.space = self.sim.space
         self.branch = Branch(0)
         self.branches.append(self.branch)
-        self.controls = controls(played, self.space)
+        self.controls = controls(played, self.space, self.setup) + senses(self.setup)
+        offered = {c["name"] for c in self.controls}
+        self.lamp_at = place_of(self.setup, "tropism_source") if "tropism_light" in offered else None
+        self.pull_at = place_of(self.setup, "tropism_direction") if "tropism_gravity" in offered else None
+        if self.pull_at and not self.space:
+            self.controls.append({"name": "pull_angle", "label": "direction of that pull", "value": float(np.arctan2(*self.pull_at[1::-1])), "low": -3.1416,
+                                  "high": 3.1416, "unit": "rad", "of": "tropism_direction"})
         self.replay_values([])
-        self.computing, self.busy_since, self.keeping, self.kept_at = 0.0, None, 0.0, 0.0
+        # seconds: since when a step is under way; that it has run, has kept states, that keeping one takes
+        self.busy_since, self.lived, self.keeping, self.to_keep, self.states = None, 0.0, 0.0, 0.03, 0
+        self.kept_at = self.stepped = time.monotonic()
         self.rates = deque(maxlen=400)  # (when, iterations)
         self.before = None  # nodes of the step before
         self.looked, self.unseen, self.slowest = 0.0, False, 0.0
+        self.idle, self.look_at, self.to_look = True, 0.0, 0.0  # it has waited; the thread's own seconds at the latest look, and of it
         self.lock = threading.RLock()
         self.look()
         self.thread = threading.Thread(target=self.loop, name="tendril live", daemon=True)
@@ -100,14 +116,20 @@ class Session:
         from .units import in_laboratory, laboratory_units
 
         r = self.setup
-        units = laboratory_units([r])
+        units = laboratory_units([replace(r, series=self.typical())])
         return {"kind": "scene", "name": self.played.name, "space": self.space, "flat": not self.space, "controls": self.controls,
                 "walls": drawn_walls(self), "diameter": float(r.diameter), "leads": may_lead_tip(self.played),
-                "pulls": self.played.held == "free", "posts": len(self.played.posts), "charts": charts_of([r]),
+                "pulls": self.played.held == "free", "lamp": self.lamp_at is not None, "posts": len(self.played.posts), "charts": charts_of([r]),
                 "labels": {n: plain(name_of(n)) for n in self.names}, "symbols": {n: plain(symbol_of(n)) for n in self.names},
                 "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
                 "units": {unit: name for unit, (name, _) in units.items()},
                 "options": "\n".join(f"-{k} {v}" for k, v in self.played.options.items()), "to": None}
+
+    def typical(self):
+        """Series as large as those of the run may get, for units that suit them all along."""
+        length = float(self.sim.series["length"][0])
+        largest = {"t": self.end, "length": length + (self.end if self.played.feeds else length), "base_force_1": length + 1}
+        return Table({name: np.append(values, largest.get(name, 1.0)) for name, values in self.setup.series.items()})
 
     def begin(self):
         self.thread.start()
@@ -122,11 +144,14 @@ class Session:
         self.commands.put({"do": "nothing"})
         if self.thread.is_alive():
             self.thread.join(wait)
+        if self.so_far:
+            self.so_far.unlink(missing_ok=True)
 
     def loop(self):
         began, t0 = time.monotonic(), self.sim.t
         while not self.closing:
             wait = self.wait(began, t0)
+            self.idle = self.idle or wait is None or wait > 0
             try:
                 command = self.commands.get(timeout=wait) if wait is None or wait > 0 else self.commands.get_nowait()
             except queue.Empty:
@@ -191,7 +216,10 @@ class Session:
         if control is None:
             raise TendrilError(f"{name[:60]}: cannot be changed in this run")
         value = number_of(command["value"], control["label"])
-        if control.get("leads"):
+        if name == "pull_angle":
+            self.pull = [float(np.cos(value)), float(np.sin(value)), 0.0]
+            self.change("tropism_direction", f"{self.pull[0]!r},{self.pull[1]!r}")
+        elif control.get("leads"):
             self.change(control["of"], f"{self.soon()!r} {value!r}")
         elif " " in name:
             self.change(control["of"], f"{name.split()[1]} {value!r}")
@@ -218,6 +246,14 @@ class Session:
             raise TendrilError("the tip of this run cannot be led")
         place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
         self.change("tip_to", " ".join([repr(self.soon()), *map(repr, place)]))
+
+    def do_lamp(self, command):
+        """The lamp to a place."""
+        if self.lamp_at is None:
+            raise TendrilError("there is no lamp in this run")
+        place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
+        self.change("tropism_source", ",".join(map(repr, place)))
+        self.lamp = [*place, 0.0][:3]
 
     def do_wall(self, command):
         """A wall to a displacement; at once: it is put there."""
@@ -320,7 +356,6 @@ class Session:
             self.happened("gave up: " + str(fault))
         took = time.monotonic() - self.busy_since
         self.busy_since = None
-        self.computing += took
         if not going:
             if self.unseen:
                 self.look()
@@ -330,21 +365,50 @@ class Session:
             return
         self.unseen = True
         self.slowest = max(self.slowest, took)
-        if time.monotonic() - self.looked > LOOKS or not self.running:
+        if not self.running or self.may_look():
             self.look()
         self.keep()
 
+    def may_look(self):
+        """Is it time for another look? What looks take is little beside the steps, unless the run waits for the clock."""
+        if time.monotonic() - self.looked <= LOOKS:
+            return False
+        return self.idle or time.thread_time() - self.look_at > self.to_look / LOOK_AT_MOST
+
     def keep(self):
-        """A state to go back to, where that costs next to nothing beside the steps since the last."""
-        if self.keeping > KEEP_AT_MOST * self.computing or self.computing - self.kept_at < 1.0:
-            return
+        """A state to go back to, where that costs next to nothing beside all else."""
         begin = time.monotonic()
-        file = self.directory / f"state-{self.branch.number}-{len(self.branch.kept)}.h5"
+        self.lived += min(begin - self.stepped, 1.0)
+        self.stepped = begin
+        if self.keeping + self.to_keep > KEEP_AT_MOST * self.lived or begin - self.kept_at < 1.0:
+            return
+        self.states += 1
+        file = self.directory / f"state-{self.states}.h5"
         with self.lock:
             self.sim.save(file)
-        self.branch.kept.append((self.sim.t, file))
-        self.keeping += time.monotonic() - begin
-        self.kept_at = self.computing
+        kept = self.branch.kept
+        kept.append((self.sim.t, file))
+        if len(kept) > KEPT:
+            for _, old in kept[1:-1:2]:
+                old.unlink(missing_ok=True)
+            del kept[1:-1:2]
+        if self.so_far:
+            self.leave(file)
+        self.kept_at = self.stepped = time.monotonic()
+        self.to_keep = self.kept_at - begin
+        self.keeping += self.to_keep
+
+    def leave(self, file):
+        """A state beside the results, under a name of its own as soon as it is whole."""
+        with contextlib.suppress(OSError):
+            self.results.mkdir(parents=True, exist_ok=True)
+            part = self.so_far.with_suffix(".part.h5")
+            part.unlink(missing_ok=True)
+            try:
+                os.link(file, part)
+            except OSError:
+                shutil.copyfile(file, part)
+            os.replace(part, self.so_far)
 
     def part(self, t, branch, but=None):
         """A branch from a time of another; `but`: with these changes alone."""
@@ -398,6 +462,7 @@ class Session:
         self.values = {c["name"]: c["value"] for c in self.controls}
         self.shifts = {wall.line: [0.0, 0.0, 0.0] for wall in self.played.walls}
         self.hand = [0.0, 0.0, 0.0]
+        self.lamp, self.pull = self.lamp_at, self.pull_at
         for _, what, value in changes:
             words = value.split()
             if what in ("wall_to", "wall_at"):
@@ -405,6 +470,11 @@ class Session:
                 self.shifts[int(words[0])] = (shift + [0.0] * 3)[:3]
             elif what == "tip_force_vector":
                 self.hand = ([float(x) for x in value.split(",")] + [0.0])[:3]
+            elif what == "tropism_source":
+                self.lamp = ([float(x) for x in value.split(",")] + [0.0])[:3]
+            elif what == "tropism_direction":
+                self.pull = ([float(x) for x in value.split(",")] + [0.0])[:3]
+                self.values["pull_angle"] = float(np.arctan2(*self.pull[1::-1]))
             elif what == "wall_friction":
                 self.values[f"wall_friction {words[0]}"] = float(words[1])
             elif what in self.values:
@@ -414,6 +484,7 @@ class Session:
 
     def look(self, new=True):
         """What there is to see now, to who looks: the rows since the last look, and the rod."""
+        begin, self.idle = time.thread_time(), False
         took, self.slowest, self.unseen, self.looked = self.slowest, 0.0, False, time.monotonic()
         with self.lock:
             sim = self.sim
@@ -430,8 +501,10 @@ class Session:
             self.keep_frame(t, frame)
         iterations = self.names.index("newton_iterations")
         self.rates.append((self.looked, len(rows), sum(row[iterations] for row in rows)))
+        self.look_at = time.thread_time()
+        self.to_look = self.look_at - begin
         self.publish({"kind": "frame", "t": t, "rows": rows, "frame": frame, "branch": self.branch.number,
-                      "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "to": None})
+                      "walls": self.walls_now(t), "rates": self.speed(), "hand": self.hand, "lamp": self.lamp, "pull": self.pull, "to": None})
 
     def keep_frame(self, t, frame):
         frames = self.branch.frames
@@ -508,7 +581,7 @@ class Session:
         shown = rows[::step] + ([rows[-1]] if rows and (len(rows) - 1) % step else [])
         return {"kind": "whole", "names": self.names, "rows": [list(row) for row in shown], "frames": [[t, f] for t, f in self.branch.frames],
                 "happened": [list(h) for h in self.branch.happened], "walls": self.walls_now(self.branch.rows[-1][0] if rows else 0.0),
-                "hand": self.hand, "to": None} | {k: v for k, v in self.state().items() if k not in ("kind", "to")}
+                "hand": self.hand, "lamp": self.lamp, "pull": self.pull, "to": None} | {k: v for k, v in self.state().items() if k not in ("kind", "to")}
 
     # ---- writing ----
 

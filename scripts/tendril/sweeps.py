@@ -7,6 +7,7 @@ import itertools
 import os
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Mapping, Sequence
 
@@ -16,6 +17,7 @@ from .progress import bar
 from .readers import heading, is_number
 from .results import Results
 from .runs import execute, launched, run, scene_words, task_of, text_of, texts_of, words_of
+from .sweep_seen import SweepSeen
 
 ALONE = {"task", "restart", "output", "quiet", "options_file"}  # a member with these runs by itself
 
@@ -81,7 +83,7 @@ def grid(over) -> dict[str, list]:
     return axes
 
 
-def in_one_job(over, members, words, place, jobs, progress) -> Sweep:
+def in_one_job(over, members, words, place, jobs, progress, seen=None) -> Sweep:
     """All members by one job, into one file of a directory; one that is there already is gone on with,
     if it is of the same table and options."""
     table, output = place / "sweep.csv", place / "sweep.h5"
@@ -90,16 +92,20 @@ def in_one_job(over, members, words, place, jobs, progress) -> Sweep:
     rest = [word for before, word in zip(["", *words], words) if "-task" not in (before, word)]
     store = [] if task_of(words) == "critical" else ["-sweep_store", "series,shapes"]
     try:
-        execute([*launched(min(jobs, len(texts))), *rest, "-task", "sweep", "-sweep_task", task_of(words),
-                 "-sweep_file", str(table), "-output", str(output), *store], progress=progress)
+        with seen.following(output, over) if seen else nullcontext():
+            execute([*launched(min(jobs, len(texts))), *rest, "-task", "sweep", "-sweep_task", task_of(words),
+                     "-sweep_file", str(table), "-output", str(output), *store], progress=progress)
     except RunError as error:
         line = str(error).replace(f"output {output}: holds a sweep", f"directory {place}: holds a sweep")
         line = line.replace("name another file", "name another directory")
         raise RunError(line.removeprefix(f"sweep_file {table}: "), error.command) from None
-    return load_sweep(output, over)
+    found = load_sweep(output, over)
+    if seen:
+        seen.look(found)
+    return found
 
 
-def one_by_one(members, scene, options, jobs, progress):
+def one_by_one(members, scene, options, jobs, progress, seen=None):
     """A process a member: tasks that are none of a sweep."""
     def one(member):
         try:
@@ -109,15 +115,17 @@ def one_by_one(members, scene, options, jobs, progress):
 
     with ThreadPoolExecutor(jobs) as pool, bar(progress, len(members)) as shown:
         found = []
-        for r in pool.map(one, members):
+        for k, r in enumerate(pool.map(one, members)):
             found.append(r)
+            if seen:
+                seen.member(k, r)
             shown.update()
     return found
 
 
 @arguments(directory="file?", progress="flag?")
 def sweep(scene=None, over: Mapping[str, Sequence] | None = None, *, directory=None,
-          jobs: int | None = None, progress: bool | None = None, **options) -> Sweep:
+          jobs: int | None = None, progress: bool | None = None, watch=None, **options) -> Sweep:
     """Runs every combination of the values of some options, in one job of tendril's -task sweep.
 
     over       {"friction_mu": [0, 0.5, 1], "growth_initial_length (mm)": [20, 30]}; the unit may stand behind each value
@@ -125,6 +133,7 @@ def sweep(scene=None, over: Mapping[str, Sequence] | None = None, *, directory=N
                is missing is run; of another one it is refused. None: nothing is kept
     jobs       runs at a time; None: as many as there are cores
     progress   a bar; None: in a terminal and in a notebook
+    watch      a page of tendril.watch(), which shows members as they end
     options    those that all runs share, as for run; output_shapes or output_interval for more shapes
                of each than the first and last"""
     over = grid(over)
@@ -132,20 +141,23 @@ def sweep(scene=None, over: Mapping[str, Sequence] | None = None, *, directory=N
     if twice := [name for name in over if name in options]:
         raise TendrilError(f"sweep: {twice[0]} is varied, and given as {options[twice[0]]} for all; leave one of both out")
     members = [dict(zip(over, point)) for point in itertools.product(*over.values())]
+    seen = SweepSeen(watch, scene, over) if watch else None
     with tempfile.TemporaryDirectory(prefix="tendril-") as temporary:
         place = Path(directory or temporary)
         (place / "arrays").mkdir(parents=True, exist_ok=True)
         words = [*scene_words(scene, place / "arrays"), *words_of(options, place / "arrays")]
         if task_of(words) in ("grow", "critical") and not ALONE & over.keys() and "restart" not in options:
             try:
-                found = in_one_job(over, members, words, place, jobs, progress)
+                found = in_one_job(over, members, words, place, jobs, progress, seen)
                 kept = found if directory else whole(found)
             except RunError as error:
                 if directory or "has rods in space" not in str(error):
                     raise
-                kept = Sweep(over, one_by_one(members, scene, options, jobs, progress))  # of whose shapes one file is none
+                kept = Sweep(over, one_by_one(members, scene, options, jobs, progress, seen))  # of whose shapes one file is none
         else:
-            kept = Sweep(over, one_by_one(members, scene, options, jobs, progress))
+            kept = Sweep(over, one_by_one(members, scene, options, jobs, progress, seen))
         if not any((place / "arrays").iterdir()):
             (place / "arrays").rmdir()
+    if seen:
+        seen.ended()
     return kept

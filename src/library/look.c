@@ -8,22 +8,26 @@ void ColumnsBegin(Columns *self) {
 }
 
 /* Room for one more. The blocks double, so that those left behind take no more than the last one.
- */
+   Large ones leave memory now and then, and those left behind at once. */
 static PetscErrorCode Room(Columns *self) {
+  enum { OFTEN = 4096 };
   const PetscInt room = 2 * self->room + 64;
-  double **block, *columns;
+  Spill *block;
+  double *columns;
 
   PetscFunctionBegin;
+  if (self->n % OFTEN == 0 && self->blocks) SpillRest(&self->block[self->blocks - 1]);
   if (self->n < self->room) PetscFunctionReturn(0);
-  block = (double **)realloc((void *)self->block, (size_t)(self->blocks + 1) * sizeof(*block));
-  if (block) self->block = block;
-  columns = (double *)malloc((size_t)(room * OBSERVED) * sizeof(*columns));
-  PetscCheck(block && columns, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for series");
-  self->block[self->blocks++] = columns;
+  block = (Spill *)realloc(self->block, (size_t)(self->blocks + 1) * sizeof(*block));
+  PetscCheck(block, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for series");
+  self->block = block;
+  PetscCall(SpillNew((size_t)(room * OBSERVED) * sizeof(*columns), &block[self->blocks]));
+  columns = (double *)block[self->blocks++].at;
   for (int k = 0; k < OBSERVED; k++) {
     for (PetscInt i = 0; i < self->n; i++) columns[k * room + i] = self->column[k][i];
     self->column[k] = columns + k * room;
   }
+  if (self->blocks > 1) SpillRest(&self->block[self->blocks - 2]);
   self->room = room;
   PetscFunctionReturn(0);
 }
@@ -45,8 +49,8 @@ PetscErrorCode ColumnsAdd(Columns *self, const Observation *seen) {
 }
 
 void ColumnsFree(Columns *self) {
-  for (PetscInt k = 0; k < self->blocks; k++) free(self->block[k]);
-  free((void *)self->block);
+  for (PetscInt k = 0; k < self->blocks; k++) SpillFree(&self->block[k]);
+  free(self->block);
   *self = (Columns){0};
 }
 

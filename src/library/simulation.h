@@ -2,6 +2,7 @@
 #ifndef TENDRIL_SIMULATION_H
 #define TENDRIL_SIMULATION_H
 
+#include "base/spill.h"
 #include "tasks/growing.h"
 #include <tendril.h>
 
@@ -11,7 +12,7 @@ typedef struct {
   PetscInt n, room;
   double *column[OBSERVED]; /* of the latest block; none before the first row */
   PetscInt blocks;
-  double **block; /* all that was ever allocated */
+  Spill *block; /* all that was ever allocated */
 } Columns;
 
 struct Tendril_ {

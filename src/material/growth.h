@@ -29,7 +29,8 @@ struct _Growth {
   PetscReal (*speed)(Growth, PetscReal s, PetscReal t);
   PetscReal (*strain)(Growth, PetscReal s, PetscReal t);
   PetscErrorCode (*origin)(Growth, PetscReal s, PetscReal t, PetscReal *d, PetscReal *d_t);
-  /* the labels at an earlier time of the material that is at n labels at t; below 0: not in yet */
+  /* the labels at an earlier time of the material that is at n labels at t, which may be the same
+     array; below 0: not in yet */
   PetscErrorCode (*depart)(Growth, PetscReal t, PetscReal before, PetscInt n, const PetscReal s[],
                            PetscReal from[]);
   /* the first time behind t at which its length sets out, stops or turns back; NULL: never */

@@ -39,7 +39,7 @@ static const OptionRow rows[] = {
     ROW_REAL("-growth_ironing", "0", 0, 1e6, UNIT_NONE, 0,
              "I, how strongly growth gives way to bending moments, whose bend the material keeps: "
              "per growth strain; 20 to 500 in plants")};
-const OptionGroup tropism_options = OPTION_GROUP("Tropism", rows);
+const OptionGroup tropism_options = OPTION_GROUP_OF_ROD("Tropism", rows);
 
 /* A vector that has to be given where its strength is not 0. */
 static PetscErrorCode Towards(const char *strength, const char *name, Dimension dimension,
@@ -108,15 +108,66 @@ PetscErrorCode TropismSetFromOptions(Tropism *self, Growth growth) {
 }
 
 /* TropismFrame - its vectors are those of the clamp's frame from now on; the columns of lab are the
-   axes of that in the laboratory. */
-void TropismFrame(Tropism *self, const PetscReal lab[3][3]) {
+   axes of that in the laboratory, where it is at place. */
+void TropismFrame(Tropism *self, const PetscReal lab[3][3], const PetscReal place[3]) {
   PetscReal *const vector[2] = {self->direction, self->source};
 
+  for (int d = 0; d < 3; d++) self->source[d] -= place[d];
   for (int k = 0; k < 2; k++) {
     const PetscReal v[3] = {vector[k][0], vector[k][1], vector[k][2]};
     for (int d = 0; d < 3; d++)
       vector[k][d] = lab[0][d] * v[0] + lab[1][d] * v[1] + lab[2][d] * v[2];
   }
+}
+
+/* The number of the law that an option is, where it may change in a run; NULL: it is none. */
+static PetscReal *NumberOf(Tropism *self, const char *name) {
+  if (!strcmp(name, "-tropism_gravity")) return &self->gravity;
+  if (!strcmp(name, "-tropism_light")) return &self->light;
+  if (!strcmp(name, "-tropism_proprioception")) return &self->proprioception;
+  if (!strcmp(name, "-tropism_nutation")) return &self->nutation[0];
+  return !strcmp(name, "-growth_ironing") ? &self->ironing : NULL;
+}
+
+/* ... and the vector; sensed: the strength with which it is. */
+static PetscReal *VectorOf(Tropism *self, const char *name, PetscReal *sensed) {
+  const PetscBool lamp = (PetscBool)!strcmp(name, "-tropism_source");
+
+  *sensed = lamp ? self->light : self->gravity;
+  return lamp ? self->source : self->direction;
+}
+
+/*
+  TropismChange - a number or a vector of the law is what the options have by now. What was 0 from
+  the start stays so: the run follows nothing that only it would need. Collective on OptionsComm().
+
+  lab    the axes of the clamp's frame in the laboratory, its columns; place: where that is
+  space  the rod is in space: a vector may point out of the plane
+*/
+PetscErrorCode TropismChange(Tropism *self, const char *name, const PetscReal lab[3][3],
+                             const PetscReal place[3], PetscBool space) {
+  PetscReal *number = NumberOf(self, name), *vector, sensed, v[3] = {0, 0, 0}, size = 1;
+  PetscBool given;
+
+  PetscFunctionBegin;
+  if (number) {
+    UserCheck(*number != 0, OptionsComm(),
+              "%s: is 0 in this run; begin it with a little of it, if it is to change", name);
+    PetscCall(OptionReal(name, &v[0], NULL));
+    *number = v[0] != 0 ? v[0] : PETSC_SMALL * *number; /* none, but that it can come back */
+    PetscFunctionReturn(0);
+  }
+  vector = VectorOf(self, name, &sensed);
+  UserCheck(sensed != 0, OptionsComm(), "%s: is not sensed in this run", name);
+  PetscCall(OptionVector(name, vector == self->source ? UNIT_LENGTH : UNIT_NONE, v, &given));
+  if (vector == self->direction) size = PetscSqrtReal(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  UserCheck(size > 0, OptionsComm(), "%s: has no length; give a direction, like 0,-1", name);
+  UserCheck(v[2] == 0 || space, OptionsComm(), "%s: leads out of the plane, in which this run is",
+            name);
+  for (int d = 0; d < 3 && vector == self->source; d++) v[d] -= place[d];
+  for (int d = 0; d < 3; d++)
+    vector[d] = (lab[0][d] * v[0] + lab[1][d] * v[1] + lab[2][d] * v[2]) / size;
+  PetscFunctionReturn(0);
 }
 
 void TropismPull(const Tropism *self, const PetscReal x[3], PetscReal pull[3],

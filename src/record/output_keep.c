@@ -12,6 +12,21 @@ PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
   PetscFunctionReturn(0);
 }
 
+/* OutputRoom - room for so many rows of the series that are kept; the earlier ones may leave memory
+   for the disk. */
+PetscErrorCode OutputRoom(Output self, PetscInt n) {
+  enum { FEWEST = 64, OFTEN = 4096 };
+  const size_t row = sizeof(*self->series);
+
+  PetscFunctionBegin;
+  if (n % OFTEN == 0) SpillRest(&self->kept);
+  if (n <= self->series_room) PetscFunctionReturn(0);
+  self->series_room = PetscMax(n, 2 * self->series_room + FEWEST);
+  PetscCall(SpillGrow((size_t)self->series_n * row, (size_t)self->series_room * row, &self->kept));
+  self->series = (Observation *)self->kept.at;
+  PetscFunctionReturn(0);
+}
+
 /* The first of an observation, as many as a harvest has; those that a scene has not are NAN. */
 static PetscReal *Observed(Output self, const Observation *seen, PetscInt values, PetscReal *to) {
   for (PetscInt k = 0; k < values; k++)
@@ -53,8 +68,8 @@ static PetscErrorCode TakeSeries(Output self, const char *from, PetscInt n) {
   char path[64];
 
   PetscFunctionBegin;
-  PetscCall(PetscCalloc1(n, &self->series));
-  self->series_n = self->series_room = n;
+  PetscCall(OutputRoom(self, n));
+  self->series_n = n;
   for (int k = 0; k < OBSERVED; k++) {
     if (!OutputHolds(self, k)) continue;
     (void)snprintf(path, sizeof(path), "/series/%s", observed_name[k]);

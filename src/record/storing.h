@@ -2,6 +2,7 @@
 #ifndef TENDRIL_STORING_H
 #define TENDRIL_STORING_H
 
+#include "base/spill.h"
 #include "record/output.h"
 
 /* What a number of the scene changes: of what is stored, by it. */
@@ -24,6 +25,7 @@ struct _Output {
   PetscInt cut[2];               /* -1, or how many series and shapes of it to keep */
   PetscInt series_n, series_room;
   Observation *series; /* that wait to be stored */
+  Spill kept;          /* where these are, if they are kept */
   PetscInt shapes_n, shapes_room;
   const ShapeSet *set;               /* the fields of a shape, */
   int sets;                          /* so many */
@@ -43,7 +45,11 @@ struct _Output {
 
 PetscInt OutputShapeSize(const Output output, int set);
 PetscInt OutputCountUpTo(PetscInt n, const PetscReal times[], PetscReal t);
+PetscBool OutputOnGrid(PetscReal t, PetscReal interval);
 PetscErrorCode OutputRefuseTaken(const char *option, const char *path);
+
+/* output_keep.c */
+PetscErrorCode OutputRoom(Output output, PetscInt n);
 
 /* output_run.c: into a file that is open, on rank 0 */
 PetscErrorCode OutputWriteRun(Output output, HdfFile file, PetscReal t);

@@ -190,9 +190,11 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
   all = room + BEYOND * per;
   PetscCall(VecGetArray(sum, &x));
   for (PetscInt j = 0; j < m; j++) {
+    const PetscBool on = (PetscBool)(j > 0 && times[j] < times[j - 1]); /* on the same way */
     PetscInt at = 0;
     PetscCall(AllStates(rod, points[j], all));
-    PetscCall(growth->depart(growth, t, times[j], end - begin, label + begin, from));
+    PetscCall(growth->depart(growth, on ? times[j - 1] : t, times[j], end - begin,
+                             on ? from : label + begin, from)); /* (in place, place by place) */
     for (PetscInt i = begin; i < end; i++) {
       PetscScalar *to = x + (i / 2 - rod->first) * fields + self->mech + i % 2 * per;
       const PetscReal *w = weight[j] + self->mech + i % 2 * per;

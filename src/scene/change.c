@@ -350,6 +350,17 @@ static PetscErrorCode ChangeTipTurn(Scene scene, const Asked *asked) {
   PetscFunctionReturn(0);
 }
 
+static const char *RefusesSense(Scene scene, PetscReal t) {
+  return scene->tropism.any ? NULL : "nothing in it learns its bend";
+}
+
+static PetscErrorCode ChangeSense(Scene scene, const Asked *asked) {
+  PetscFunctionBegin;
+  PetscCall(TropismChange(&scene->tropism, asked->name, (const PetscReal(*)[3])scene->space.lab,
+                          scene->space.place, scene->space.rod));
+  PetscFunctionReturn(0);
+}
+
 static const Change changes[] = {
     {"-clamp_spin", NULL, RefusesSpin, ChangeSpin},
     {"-tip_force", NULL, RefusesTip, ChangeForce},
@@ -368,6 +379,13 @@ static const Change changes[] = {
     {"-twist_to", "T K", RefusesBend, ChangeTwist},
     {"-tip_to", "T X1 X2 X3", RefusesLead, ChangeTipPlace},
     {"-tip_turn_to", "T ANGLE", RefusesTurn, ChangeTipTurn},
+    {"-tropism_source", NULL, RefusesSense, ChangeSense},
+    {"-tropism_direction", NULL, RefusesSense, ChangeSense},
+    {"-tropism_light", NULL, RefusesSense, ChangeSense},
+    {"-tropism_gravity", NULL, RefusesSense, ChangeSense},
+    {"-tropism_proprioception", NULL, RefusesSense, ChangeSense},
+    {"-tropism_nutation", NULL, RefusesSense, ChangeSense},
+    {"-growth_ironing", NULL, RefusesSense, ChangeSense},
 };
 
 static const Change *Find(const char *name) {
@@ -426,7 +444,7 @@ PetscErrorCode SceneMayChange(Scene scene, const char *name, const char *value, 
   const Change *change = Find(name);
   const char *why = change && change->refuses ? change->refuses(scene, t) : NULL;
   PetscErrorCode error;
-  char all[512];
+  char all[1024];
   Scene trial;
 
   PetscFunctionBegin;
@@ -491,7 +509,7 @@ void SceneChangeAbout(const ChangeRow *row) {
 static PetscErrorCode CheckRow(Scene scene, const ChangeRow *row, PetscReal from) {
   const Change *change = Find(row->what);
   const char *why = change && change->refuses ? change->refuses(scene, row->t) : NULL;
-  char all[512], text[64], *words = NULL;
+  char all[1024], text[64], *words = NULL;
   PetscErrorCode error;
   Asked asked;
 

@@ -109,7 +109,8 @@ static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
       if (at < 0 || !HasRate(self, f)) continue;
       local[f] *= ratio[self->model->group[f]];
       skipped[f] *= ratio[self->model->group[f]];
-      for (PetscInt j = 0; j < n; j++) local[f] += times_error * weight[j][f] * u[j][at];
+      for (PetscInt j = 0; j < n; j++)
+        local[f] += times_error * weight[j][f] * u[j][self->leg->from + at];
     }
   }
   for (PetscInt j = 0; j < n; j++) PetscCall(VecRestoreArrayRead(point[j], &u[j]));

@@ -34,7 +34,8 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
 PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
 PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);
 PetscErrorCode NewtonEliminate(Newton *newton, Elimination elimination);
-PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known);
+PetscErrorCode NewtonCounts(Newton *newton, PetscBool *can);
+PetscErrorCode NewtonIndex(const Newton *newton, PetscInt k, PetscInt *index, PetscBool *known);
 PetscErrorCode NewtonOutOfPlane(Newton *newton, PetscReal rate, PetscInt *modes);
 PetscErrorCode NewtonDestroy(Newton *newton);
 

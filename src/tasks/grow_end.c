@@ -95,7 +95,7 @@ static void AdviseGivingWay(const Grow *self, char *advice, size_t room) {
 static void AdviseConduit(const Grow *self, char *advice, size_t room) {
   const Walls *walls = &self->scene->contact.walls;
   const Surfaces *surfaces = &self->scene->contact.surfaces;
-  const PetscReal clamp[3] = {0, 0, 0},
+  const PetscReal *clamp = self->scene->space.place,
                   tip[3] = {self->seen.tip_x1, self->seen.tip_x2, self->seen.tip_x3};
 
   for (PetscInt w = 0; w < walls->n && !advice[0]; w++)

@@ -237,6 +237,10 @@ PLAYED = {  # options; (behind so many steps, what, its new value, of which T is
                    wall_file=["circle 0.6 -0.6 0.5 outside friction 0.2", "polygon outside 31 9 32 9 31 10", "path 0.6 -0.3 0 3 0 3 2 6 2"]),
               [(15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -29.5 -10.1"), (90, "wall_to", "3 T0.3 0 0.1"),
                (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
+    "shoot": (dict(growth_type="uniform", growth_initial_length=0.5, tropism_light=1.5, tropism_source="3,2", tropism_gravity=0.5, clamp_angle="20deg",
+                   tropism_direction="0,1", tropism_proprioception=1, friction_mu=0, shape_type="straight", ts_max_time=1),
+              [(20, "tropism_source", "3,-2"), (60, "tropism_light", "3"), (70, "tropism_proprioception", "0.2"), (80, "tropism_direction", "1,-1"),
+               (90, "tropism_gravity", "0"), (100, "tropism_gravity", "2")]),
     "held": (dict(growth_type="none", growth_initial_length=1, shape_amplitude=0.5, tip_type="clamped", friction_mu=0.5, ts_max_time=1),
              [(20, "tip_to", "T0.3 0.8 0.2"), (40, "tip_to", "T0.2 0.7 0.1"), (60, "tip_turn_to", "T0.2 -0.5"), (90, "friction_mu", "0.2")]),
 }
@@ -304,7 +308,7 @@ class Played(unittest.TestCase):
         for name, value, line in (("wall_to", "3 1 0 0", "no wall in this line"), ("wall_to", "1 -1 0 0", "already"),
                                   ("wall_to", "1 1", "give LINE T X1 X2 X3"), ("wall_at", "2 -29.4 -10", "the rod is there"),
                                   ("tip_to", "1 1 0", "the tip is free"), ("friction_factor", "0", "0.001"),
-                                  ("feed_speed", "fast", "give a number")):
+                                  ("feed_speed", "fast", "give a number"), ("tropism_light", "1", "nothing in it learns")):
             with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
                 sim.set(name, value)
         for text, line in (("1 rod_cells 5", "cannot be changed in a run"), ("1 tip_to 2 1 0", "the tip is free"), ("tip_force", "give a time"),
@@ -315,6 +319,21 @@ class Played(unittest.TestCase):
                 table = os.path.join(directory, "changes.txt")
                 Path(table).write_text(text + "\n")
                 tendril.run(**options | dict(rod_cells=60), change_file=table)
+
+    def test_a_lamp_that_is_moved_turns_the_shoot(self):
+        options, ends = dict(growth_type="uniform", growth_initial_length=0.5, tropism_light=3, tropism_source="4,1", friction_mu=0, shape_type="straight",
+                             ts_max_time=1.5, rod_cells=40), {}
+        for lamp in ("4,1", "4,-1", "-4,1"):
+            sim = tendril.Simulation(**options)
+            sim.advance(0.5)
+            sim.set("tropism_source", lamp)
+            sim.advance()
+            ends[lamp] = sim.theta[-1]
+        self.assertTrue(ends["4,-1"] < 0 < ends["4,1"] < ends["-4,1"], ends)
+        sim = tendril.Simulation(**options)
+        for name, value, line in (("tropism_gravity", 1, "is 0 in this run"), ("tropism_source", "1,1,1", "out of the plane"), ("tropism_direction", "0,1", "is not sensed")):
+            with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
+                sim.set(name, value)
 
     def test_a_wall_of_the_plane_is_not_put_where_the_rod_is(self):
         sim = tendril.Simulation(**PLAYED["walls"][0] | dict(rod_cells=60))

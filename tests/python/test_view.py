@@ -19,7 +19,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from chromium import FOUND as BROWSER
+from chromium import FOUND as BROWSER, MISSING
 from held import HANG
 from interpreter import ROOT, from_venv
 
@@ -333,7 +333,7 @@ class View(unittest.TestCase):
         self.assertTrue(found, done.stdout[-500:] + done.stderr[-2000:])
         return json.loads(html.unescape(found[1]))
 
-    @unittest.skipUnless(BROWSER, "no Chromium here")
+    @unittest.skipUnless(BROWSER, MISSING)
     def test_one_run_on_a_screen(self):
         r = self.runs[0]
         seen = self.seen(self.page(r), "1280,900")
@@ -368,7 +368,7 @@ class View(unittest.TestCase):
         _, right, top, beside, _, stage = seen["about"]  # no empty column below the rod
         self.assertTrue(right <= beside and stage <= top < stage + 40, seen["about"])
 
-    @unittest.skipUnless(BROWSER, "no Chromium here")
+    @unittest.skipUnless(BROWSER, MISSING)
     def test_two_runs_on_a_phone(self):
         """Both in every chart, or the one that is not ticked off; nothing is wider than the screen."""
         seen = self.seen(self.page(self.runs), "500,850")
@@ -379,7 +379,7 @@ class View(unittest.TestCase):
         charts = content(self.page(self.runs))["charts"]
         self.assertEqual(seen["lines"][0], len(charts[0]["series"]))
 
-    @unittest.skipUnless(BROWSER, "no Chromium here")
+    @unittest.skipUnless(BROWSER, MISSING)
     def test_a_series_of_hardly_anything_on_a_logarithmic_axis(self):
         """Errors of a tip that is held are 1e-27: their chart has numbers at decades, as any."""
         drawn = """const seen = {}; window.onerror = (message) => { seen.error = message; };
@@ -557,14 +557,14 @@ class View(unittest.TestCase):
         self.assertTrue({"turns", "moment at the clamp"} <= set(seen["charts"]))
         self.assertGreater(seen["played"], 0)
 
-    @unittest.skipUnless(BROWSER, "no Chromium here")
+    @unittest.skipUnless(BROWSER, MISSING)
     def test_space_on_a_screen(self):
         seen = self.seen(self.page(self.wire()), "1400,900", SPACE, DRAWN)
         if seen.get("lines"):
             self.skipTest("this Chromium has no WebGL")
         self.check_pictures(seen, False)
 
-    @unittest.skipUnless(BROWSER, "no Chromium here")
+    @unittest.skipUnless(BROWSER, MISSING)
     def test_plane_beside_space(self):
         """Of two runs one may lie in the plane: it has x3 = 0, and what presses on it is where it was."""
         (self.place / "wall.txt").write_text("plane 1.5 0 -1 0\n")
@@ -586,7 +586,7 @@ class View(unittest.TestCase):
         np.testing.assert_allclose(np.reshape(seen["places"], (-1, 3))[:, :2], places, rtol=1e-5, atol=1e-5)
         self.assertEqual((np.abs(seen["x3"]).max(), seen["field"]), (0, 0))
 
-    @unittest.skipUnless(BROWSER, "no Chromium here")
+    @unittest.skipUnless(BROWSER, MISSING)
     def test_space_on_a_phone_without_webgl(self):
         """Lines, by the same camera."""
         self.check_pictures(self.seen(self.page(self.wire()), "500,850", SPACE, ["--disable-3d-apis"]), True)

@@ -12,7 +12,8 @@ import time
 import urllib.request
 
 FOUND = os.environ.get("TENDRIL_CHROMIUM") or next(
-    (found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+    (found for name in ("chromium", "chromium-browser", "google-chrome", "chromium-headless-shell") if (found := shutil.which(name))), None)
+MISSING = "NOT TRIED, for there is no browser here: apt-get install chromium-headless-shell"
 
 
 class Chromium:

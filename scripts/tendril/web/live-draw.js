@@ -54,9 +54,13 @@ class Stage {
       }
   }
 
-  frameAll(scene, x) {
+  frameAll(scene, x, lamp) {
     const [low, high] = this.reach.map((r) => [...r]), [from, to] = this.reach;
     const size = Math.max(...[0, 1, 2].map((d) => high[d] - low[d]), 1e-9);
+    if (lamp && !this.lampSeen) {  // one that is not far off is seen, too
+      this.lampSeen = true;
+      if (Math.hypot(lamp[0] - to[0], lamp[1] - to[1]) < 12 * size) this.see(lamp);
+    }
     for (const wall of scene.walls) {  // stones near the rod are seen whole
       if (!wall.circle || wall.inside) continue;
       const [x, y, r] = wall.circle;
@@ -98,7 +102,7 @@ class Stage {
   }
 
   draw() {
-    const { scene, frame, ghost, walls, hand, grabbed, colour, arrows } = this.what();
+    const { scene, frame, ghost, walls, hand, lamp, pull, grabbed, colour, arrows } = this.what();
     const box = this.canvas.getBoundingClientRect(), ratio = devicePixelRatio || 1;
     if (!scene || !box.width) return;
     if (this.canvas.width !== Math.round(box.width * ratio) || this.canvas.height !== Math.round(box.height * ratio)) {
@@ -113,13 +117,15 @@ class Stage {
     ctx.clearRect(0, 0, box.width, box.height);
     ctx.lineCap = ctx.lineJoin = "round";
     if (frame) this.see(frame.x);
-    if (this.fit) this.frameAll(scene, frame ? frame.x : []);
+    if (this.fit) this.frameAll(scene, frame ? frame.x : [], lamp);
     for (const wall of scene.walls) this.drawWall(wall, (walls || {})[wall.line] || [0, 0, 0], grabbed === wall.line, scene);
     if (this.flat) this.drawRuler();
     if (ghost) this.drawRod(ghost, "#ccc", scene, null);
     if (frame) this.drawRod(frame, null, scene, colour);
     if (frame && arrows) this.drawForces(frame);
     this.drawClamp(frame);
+    if (lamp) this.drawLamp(lamp);
+    if (pull) this.drawPull(pull);
     if (frame && hand && Math.hypot(...hand) > 0) this.drawHand(frame, hand);
   }
 
@@ -260,6 +266,35 @@ class Stage {
     const { ctx } = this, x = frame ? frame.x : [0, 0, 0], [px, py] = this.place(x[0], x[1], x[2]);
     ctx.fillStyle = "#000";
     ctx.fillRect(px - 5, py - 5, 10, 10);
+  }
+
+  drawLamp(place) {
+    const { ctx } = this, [x, y] = this.place(...place);
+    ctx.strokeStyle = "#B8860B";
+    ctx.fillStyle = "#FFD23F";
+    ctx.lineWidth = 2;
+    ctx.beginPath();
+    for (let k = 0; k < 8; k++) {
+      const c = Math.cos(k * Math.PI / 4), s = Math.sin(k * Math.PI / 4);
+      ctx.moveTo(x + 12 * c, y + 12 * s);
+      ctx.lineTo(x + 18 * c, y + 18 * s);
+    }
+    ctx.stroke();
+    ctx.beginPath();
+    ctx.arc(x, y, 9, 0, 2 * Math.PI);
+    ctx.fill();
+    ctx.stroke();
+  }
+
+  // where gravity pulls growth to, in a corner
+  drawPull(way) {
+    const [dx, dy] = this.shown(way, 0, 1), long = Math.hypot(dx, dy) || 1, x = this.width - 60, y = 44;
+    this.arrow([x - 22 * dx / long, y - 22 * dy / long], [44 * dx / long, 44 * dy / long], "#3A6B35", 3);
+    this.ctx.fillStyle = "#3A6B35";
+    this.ctx.font = "12px system-ui, sans-serif";
+    this.ctx.textAlign = "center";
+    this.ctx.fillText("growth is pulled", x, y + 42);
+    this.ctx.textAlign = "start";
   }
 
   tip(frame) {

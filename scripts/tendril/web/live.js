@@ -56,7 +56,10 @@ function mount(root, connection) {
   if (home) home.onclick = () => send("home");
 
   connection.lost = (lost, why) => { if (link) link.textContent = lost ? `${why || "the server does not answer"}; trying again` : ""; };
+  let study = null;
   connection.hear = (m) => {
+    if (m.kind === "study") { study = mountStudy(root, m); page = null; return; }
+    if (study && ["member", "tried", "fresh", "stage", "ended"].includes(m.kind)) { study.hear(m); return; }
     const act = { scene: hearScene, whole: hearWhole, frame: hearFrame, state: hearState, happened: hearHappened, done: hearDone, refused: hearRefused,
       busy: (one) => { S.slow = one.seconds; tell(); }, start: showStart, drawn: showDrawn }[m.kind];
     if (act) act(m);
@@ -85,7 +88,7 @@ function mount(root, connection) {
     S.frames = m.frames;
     S.looking = null;
     S.walls = m.walls;
-    S.hand = m.hand;
+    Object.assign(S, { hand: m.hand, lamp: m.lamp, pull: m.pull });
     S.before = null;
     S.frame = m.frames.length ? unpackFrame(m.frames[m.frames.length - 1][1]) : null;
     if (page) page.news.replaceChildren();
@@ -105,7 +108,7 @@ function mount(root, connection) {
     const now = performance.now();
     S.every = Math.min(120, Math.max(16, now - S.came));
     S.came = now;
-    Object.assign(S, { t: m.t, walls: m.walls, rates: m.rates, hand: m.hand, slow: 0 });
+    Object.assign(S, { t: m.t, walls: m.walls, rates: m.rates, hand: m.hand, lamp: m.lamp, pull: m.pull, slow: 0 });
     S.fresh = true;
     tell();
   }
@@ -181,7 +184,7 @@ function mount(root, connection) {
       make("div", { className: "l-bar" }, make("b", { textContent: "write the" }), ...saves), page.files, page.tree);
     const options = make("details", {}, make("summary", { textContent: "options it began with" }), make("pre", { textContent: S.scene.options }));
     root.replaceChildren(make("div", { className: "l-run" }, left, make("div", {}, page.charts, options)));
-    stage = new Stage(canvas, () => ({ scene: S.scene, frame: shown(), ghost: ghostFrame(), walls: S.looking === null ? S.walls : {}, hand: S.hand, grabbed: S.grabbed,
+    stage = new Stage(canvas, () => ({ scene: S.scene, frame: shown(), ghost: ghostFrame(), walls: S.looking === null ? S.walls : {}, hand: S.hand, lamp: S.lamp, pull: S.pull, grabbed: S.grabbed,
       colour: S.colour || null, arrows: S.arrows }));
     setUnits();
     resize();
@@ -324,7 +327,7 @@ function mount(root, connection) {
     if (has("clamp_spin")) words.push(["q w e", "twist"]);
     const keys = make("div", { className: "l-keys" });
     for (const [key, text] of words) keys.append(make("span", { className: "l-key", textContent: key }), ` ${text}  `);
-    const drags = [S.scene.walls.some((w) => w.moves) && "stones", S.scene.pulls && "the tip (a force)", S.scene.leads && "the held tip"].filter(Boolean);
+    const drags = [S.scene.walls.some((w) => w.moves) && "stones", S.scene.lamp && "the lamp", S.scene.pulls && "the tip (a force)", S.scene.leads && "the held tip"].filter(Boolean);
     keys.append(drags.length ? `Drag ${drags.join(", ")}${S.scene.flat ? "; the rest moves the view" : "; the rest turns the view"}.` : "");
     return make("div", {}, tools, keys);
   }
@@ -373,7 +376,7 @@ function mount(root, connection) {
       sent = now;
       if (grip.kind === "stone") send("wall", { line: grip.wall.line, shift: grip.to });
       if (grip.kind === "hand") send("hand", { force: grip.to });
-      if (grip.kind === "lead") send("lead", { place: grip.to });
+      if (grip.kind === "lead" || grip.kind === "lamp") send(grip.kind, { place: grip.to });
     };
     canvas.onpointerdown = (event) => {
       if (!S.scene || !S.frame) return;
@@ -387,9 +390,10 @@ function mount(root, connection) {
         return;
       }
       const tip = stage.tip(S.frame), wide = event.pointerType === "touch" ? 30 : 18;
-      const stone = stoneAt(at);
+      const stone = stoneAt(at), lamp = S.lamp && stage.place(...S.lamp);
       if (S.looking === null && Math.hypot(at[0] - tip[0], at[1] - tip[1]) < wide && (S.scene.pulls || S.scene.leads))
         grip = { kind: S.scene.leads ? "lead" : "hand", from: at };
+      else if (S.looking === null && lamp && Math.hypot(at[0] - lamp[0], at[1] - lamp[1]) < wide) grip = { kind: "lamp", from: at, start: S.lamp };
       else if (S.looking === null && stone) {
         grip = { kind: "stone", wall: stone, from: at, shift: S.walls[stone.line] || [0, 0, 0] };
         S.grabbed = stone.line;
@@ -429,7 +433,7 @@ function mount(root, connection) {
         grip.to = way.map((w) => +(w / size * force).toPrecision(4));
         if (S.scene.flat) grip.to[2] = 0;
         move(false);
-      } else if (grip.kind === "lead") {
+      } else if (grip.kind === "lead" || grip.kind === "lamp") {
         const x = S.frame.x, n = x.length;
         grip.start = grip.start || [x[n - 3], x[n - 2], x[n - 1]];
         grip.to = stage.way(at[0] - grip.from[0], at[1] - grip.from[1]).map((w, d) => w + grip.start[d]);
