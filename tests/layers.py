@@ -14,15 +14,15 @@ import re
 import sys
 from pathlib import Path
 
-ROOMS = ["base", "curve", "material", "world", "scene", "straight", "rod", "stepping", "record", "tasks", "library"]  # from below
+ROOMS = ["base", "curve", "material", "world", "scene", "straight", "rod", "system", "stepping", "record", "tasks", "library"]  # from below
 STRANGERS = {("material", "world"), ("world", "material")}  # a rod's own, and what is around all rods
 # header: who may include it
-KEPT = {r"petsc/private/": {"stepping/vbdf.c", "stepping/controller.c", "rod/rod.c", "rod/coupled.c"},
+KEPT = {r"petsc/private/": {"stepping/vbdf.c", "stepping/controller.c", "rod/rod.c", "rod/coupled.c", "system/model.c"},
         r"hdf5\.h": {"base/hdf.c"},
         r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/bent.c", "tasks/program.c", "library/process.c"}}
 
 LAW = {"TS", "SNES", "KSP", "PC", "EPS", "ST", "Mat"}  # classes of PETSc and SLEPc that a law does not name
-SOLVERS = {"material": LAW, "world": LAW, "scene": LAW, "rod": {"TS", "SNES", "EPS", "ST"}}
+SOLVERS = {"material": LAW, "world": LAW, "scene": LAW, "rod": {"TS", "SNES", "EPS", "ST"}, "system": {"TS", "SNES", "EPS", "ST"}}
 OF_A_SOLVE = r"\b(Vec|Mat|KSP|SNES|TS|Elimination|RodState|fresh|counts|shift|rate)\b"  # no member of a rod
 
 

@@ -59,6 +59,7 @@ for file in options/*.opts; do
     ;;
   root-helix | vine-heavy) what=(--panels space,shapes,curvature,twisting) ;;
   wire-spun | rod-bent) what=(--panels space,norm,curvature,twisting) ;;
+  seedlings) what=(--panels space --times 0.75 --view 30,25) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
   root-stones) what=(--panels shapes --times 1,3,6,10) ;;
   twisted-rod) what=(--panels space,curvature --times 0.05,0.3,0.6,10) ;;
@@ -71,7 +72,7 @@ for file in options/*.opts; do
     files=(results/root-upright.h5 "${files[@]}" results/root-skewed.h5)
     what=(--panels shapes --times 24h,48h --titles "tilted by 15°,by 45°,by 45° and twisted by nature")
     ;;
-  root-stone) what=(--panels shapes,bends --times 0.6,1,1.5,4) ;;
+  root-stone) what=(--panels shapes,length,bends,growth --times 0.6,1.7,2.2,7) ;;
   tendril-post) what=(--panels space,portrait --times 3,8 --view 30,15) ;;
   shoot-light) what=(--panels shapes,bends,growth,portrait --times 0,1,2,3) ;;
   shoot-*) what=(--panels shapes,curvature --times 0,0.5,1,2,3) ;;

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .ensembles import ensemble
     from .errors import ResultsError, RunError, TendrilError
     from .comparison import compare
+    from .drawing import draw
     from .filming import Filmed, measure
     from .films import animate
     from .fitting import Fit, fit
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 _HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "polygon": "barriers",
          "ResultsError": "errors", "RunError": "errors", "TendrilError": "errors",
          "animate": "films", "ensemble": "ensembles", "Fit": "fitting", "fit": "fitting", "map": "maps",
-         "compare": "comparison", "Filmed": "filming", "measure": "filming", "profile": "samples",
+         "compare": "comparison", "draw": "drawing", "Filmed": "filming", "measure": "filming", "profile": "samples",
          "sample": "samples", "view": "page", "plot": "pictures", "live": "live_server", "watch": "watching", "widget": "live_widget", "Results": "results", "Shape": "results", "load": "loading",
          "Critical": "runs", "critical": "runs", "run": "runs", "Simulation": "simulation", "Sweep": "collection", "sweep": "sweeps",
          "End": "openings", "ends": "openings", "Surface": "surfaces", "surface": "surfaces"}

@@ -12,6 +12,7 @@ import numpy as np
 from .collection import Sweep, is_sweep, load_sweep
 from .errors import OF_CONTENT, ResultsError, path_of
 from .results import ALONG, NUMBERS, SHAPES, Results, Table, as_text, options_of
+from .several import Several, names_of, rod_of
 
 PRIVATE = ("restart",)  # what is tendril's own business
 MOST = 1e100  # of any number of a rod
@@ -197,6 +198,8 @@ def load(path) -> Results | Sweep:
         table.of = f"{path}: {name}"
         numbers_of(table)
     check_series(series)
+    if "rods" in groups:
+        return load_rods(path, attributes, groups, series, shapes, (units, notes))
     check_shapes(shapes)
     check_modes(stability, critical)
     _cut(series, list(series))
@@ -210,9 +213,24 @@ def load(path) -> Results | Sweep:
                    notes, units)
 
 
+def load_rods(path, attributes, groups, series, shapes, about) -> Several:
+    """The rods of a file that has several."""
+    finished = bool(attributes.pop("finished", 0))
+    options = options_of(attributes.pop("options", ""))
+    rods = {}
+    for number, name in enumerate(names_of(path, groups["rods"])):
+        rods[name] = one = rod_of(path, finished, number, name, attributes, groups, shapes, series, about)
+        check_series(one.series)
+        check_shapes(one.shapes)
+        check_attributes(path, one.attributes)
+    return Several(path, finished, options, attributes, series, shapes, units=about[0], notes=about[1], rods=rods)
+
+
 def runs_of(given, who) -> list[Results]:
     """The runs that somebody gave to draw: Results, files of them, what critical() found, sweeps, or
     several of these. who: whom it was given to, for the line that refuses."""
+    if isinstance(given, Several):
+        return list(given.rods.values())
     if isinstance(given, Results):
         return [given]
     if isinstance(given, (str, Path)):

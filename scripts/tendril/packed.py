@@ -28,7 +28,7 @@ def moves_straight(r, kept):
         within = np.flatnonzero((r.series.t > t[k]) & (r.series.t < t[k + 1]))
         w = ((r.series.t[within] - t[k]) / (t[k + 1] - t[k]))[:, None]
         ends = x[k, -1, :tip.shape[1]] * (1 - w) + x[k + 1, -1, :tip.shape[1]] * w
-        halves = x[k, middle] * (1 - w) + x[k + 1, middle] * w
+        halves = (x[k, middle] - x[k, 0]) * (1 - w) + (x[k + 1, middle] - x[k + 1, 0]) * w
         off = [np.linalg.norm(ends - tip[within], axis=1),
                np.abs(np.linalg.norm(halves, axis=1) - r.series.mid_distance[within])]
         fair[k] = np.max(off, initial=0) <= FAR * r.value("length", t[k + 1])

@@ -42,6 +42,7 @@ from .naming import did_you_mean
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results
 from .senses import strain_rate
+from .several import Rod
 from .solids import solids
 from .spatial import diameter_of, lift, out_of_plane, up_of
 from .style import BLUE, COLOURS, GREEN, GREY, ORANGE, RED, STYLE, InStyle, save
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+NAMED = 24  # of an overlay: more runs have colours alone
 STYLES = ("-", "--", ":", "-.", (0, (4, 1, 1, 1, 1, 1)))
 
 
@@ -311,7 +313,7 @@ def panel_space(ax, r, view):
     drawn = [c for c in ax.collections if isinstance(c, Rods)]  # of the runs before, in an overlay
     rods = drawn[0] if drawn else ax.add_collection(Rods(zorder=3), autolim=False)
     rods.set_strands(rods.strands + strands)
-    ax.plot([0], [0], [0], "ks", ms=3, zorder=4)
+    ax.plot(*(unit * lift(r, r.stored(0)).x[:1].T), "ks", ms=3, zorder=4)
     beside = [] if view.overlay else [one for one in view.results if one is not r]  # their panels have the same box
     others = [view.of(one).of("length", lift(one, shape_of(one, t)).x) for one in beside for t in view.times_of(one)]
     low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands), *others]))
@@ -652,6 +654,8 @@ def place(figure, axes, aspects, shared, headed):
 def name_runs(figure, view, width):
     """The runs of an overlay, at the head of the figure, as many in a row as have room; the height they
     take."""
+    if len(view.results) > NAMED:
+        return 0.1
     renderer = RendererAgg(10, 10, figure.dpi)
     handles = [Line2D([], [], color=view.colour(r, "black")) for r in view.results]
     texts = [figure.text(0, 0, title, fontsize=STYLE["legend.fontsize"]) for title in view.titles]
@@ -787,6 +791,11 @@ def panels_of(asked, runs):
 
 
 @arguments(panels="texts?", times="times?", si="flag?", overlay="flag", titles="texts?")
+def of_one_file(runs) -> bool:
+    """Whether these are rods of one run, which are seen together."""
+    return len({r.path for r in runs}) == 1 and all(isinstance(r, Rod) for r in runs)
+
+
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
          times: Sequence[float | str] | None = None, si: bool | None = None, overlay: bool = False,
          titles: Sequence[str] | None = None, beside: Sequence[Results] = (),
@@ -815,7 +824,7 @@ def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | Non
     if titles and len(titles) != len(runs):
         raise ResultsError(f"plot: {len(titles)} titles for {len(runs)} runs")
     beside = runs_of(beside, "plot: beside") if not isinstance(beside, (list, tuple)) or len(beside) else []
-    drawn = View(runs, Units(in_laboratory_of([*runs, *beside], si)), overlay=(overlay or ax is not None) and len(runs) > 1,
+    drawn = View(runs, Units(in_laboratory_of([*runs, *beside], si)), overlay=(overlay or ax is not None or of_one_file(runs)) and len(runs) > 1,
                  titles=titles_of(runs, titles),
                  beside={r.path: other for r, other in zip(runs, beside)}, view=sight(view))
     if times is not None:
@@ -886,6 +895,6 @@ def main(arguments=None):
     figure = plot(results, choice.panels, times=times, si=choice.si, overlay=choice.overlay,
                   titles=choice.titles.split(",") if choice.titles else None,
                   beside=[read(path) for path in choice.beside.split(",") if path], view=choice.view)
-    tell_missing(results, times or (), choice.si)
+    tell_missing(runs_of(results, "plot"), times or (), choice.si)
     print(f"plot: {save(figure, output, None)}")
     return 0

@@ -228,7 +228,7 @@ class Results:
         lengths of the rod."""
         end = np.array([self.value(f"tip_x{d + 1}", shape.t) for d in range(shape.x.shape[1])
                         if f"tip_x{d + 1}" in self.series])
-        middle = np.array([np.interp(0.5, shape.s, x) for x in shape.x.T])
+        middle = np.array([np.interp(0.5, shape.s, x) for x in shape.x.T]) - shape.x[0]
         off = max(float(np.linalg.norm(shape.x[-1, :len(end)] - end)),
                   abs(float(np.linalg.norm(middle)) - self.value("mid_distance", shape.t)))
         return off / shape.length

@@ -294,12 +294,58 @@ def launched(ranks: int) -> list[str]:
     return [*([mpiexec, "-n", str(ranks)] if positive(ranks, "ranks") > 1 else []), executable()]
 
 
+def named_in(scene) -> list[str]:
+    """The rods that have a section in an options file."""
+    if not isinstance(scene, (str, os.PathLike)):
+        return []
+    return [found[1] for line in lines_of(scene_file(scene)) if (found := re.match(r"\s*\[\s*rod\s+(\w+)\s*\]", line))]
+
+
+def table_file(name, table, directory) -> str:
+    """A DataFrame as the table of a section [rods FILE.csv]; without a column `name` rods are called by its index, or NAME1 on."""
+    if "name" not in table:
+        own = table.index if table.index.dtype == object else [f"{name}{k + 1}" for k in range(len(table))]
+        table = table.assign(name=own)
+    path = Path(directory) / f"{name}.csv"
+    table.map(lambda value: text_of(value)).to_csv(path, index=False)
+    return path.name
+
+
+def rod_words(scene, rods, pairs, directory) -> list[str]:
+    """The scene and its rods as words of a command line: rods that it names itself are given their options by prefix, others
+    have sections in a file of their own, that of the scene before them."""
+    if not rods and not pairs:
+        return scene_words(scene, directory)
+    known, prefixed, lines = named_in(scene), [], []
+    for name, own in (rods or {}).items():
+        if hasattr(own, "to_csv"):
+            lines.append(f"[rods {table_file(name, own, directory)}]")
+        elif not isinstance(own, dict):
+            raise TendrilError(f"rods: {name}: give a dict of options, or a DataFrame with a row a rod, not {type(own).__name__}")
+        elif name in known:
+            words = words_of(own, directory)
+            prefixed += [f"-{name}_{word[1:]}" if k % 2 == 0 else word for k, word in enumerate(words)]
+        else:
+            lines += [f"[rod {name}]", *(f"-{key} {value}" for key, value in texts_of(own, directory).items())]
+    for pair, own in (pairs or {}).items():
+        lines += [f"[pair {' '.join(pair)}]", *(f"-{key} {value}" for key, value in texts_of(own, directory).items())]
+    words = scene_words(scene, directory)
+    if lines:
+        path = Path(directory) / "rods.opts"
+        path.write_text("\n".join(lines) + "\n")
+        words += ["-options_file", str(path)]
+    return words + prefixed
+
+
 @arguments(output="file?", progress="flag?")
-def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1,
+def run(scene=None, *, rods=None, pairs=None, output=None, progress: bool | None = None, ranks: int = 1,
         **options) -> Results:
     """Runs a scene and returns its results, which are dimensionless as in the file.
 
     scene     an options file, the name of one in options/, a dict of options, or None
+    rods      of several in one run, {name: dict of its options, or a DataFrame with a row a rod}; what the scene and options
+              say all share
+    pairs     {(name, name): dict of options} of what touches
     output    the result file, if it is to be kept
     progress  a bar; None: in a terminal and in a notebook
     ranks     processes of one run, by mpiexec
@@ -311,7 +357,7 @@ def run(scene=None, *, output=None, progress: bool | None = None, ranks: int = 1
     with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
         name = Path(scene).stem if isinstance(scene, (str, Path)) else "run"
         output = path_of(output or Path(directory) / f"{name}.h5", "output")
-        words = [*scene_words(scene, directory), *words_of(options, directory)]
+        words = [*rod_words(scene, rods, pairs, directory), *words_of(options, directory)]
         if task_of(words) == "grow" and not options.get("restart") and not says_when(words):
             words += ["-output_shapes", str(SHAPES)]
         execute([*launched(ranks), *words, "-output", str(output)], output, progress)

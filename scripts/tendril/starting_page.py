@@ -14,7 +14,7 @@ from .playing import NUMBER, prepare
 from .runs import CHECKOUT
 
 # what a run by steps cannot do, or takes too long for a first look
-LEFT_OUT = re.compile(r"critical|stability|paper|injected")
+LEFT_OUT = re.compile(r"critical|stability|paper|injected|seedlings")
 # (option, label, usual, unit, what it does)
 FIELDS = (
     ("si_bending_stiffness", "bending stiffness", "1e-5", "N m²", "of the rod: Young's modulus times the second moment of area"),

@@ -44,6 +44,8 @@ struct _Elimination {
   Span *spans;                 /* of all ranks */
   LineRows *reach; /* between: F A^-1 of each link, how its v moves z of the first node */
   PetscReal (*turned)[FIELDS]; /* from the tip: right-hand sides and unknowns in that direction */
+  PetscInt parts, fields; /* lines that go together, one behind the other; 0: this is one; of */
+  Elimination *part;      /* so many unknowns a node */
 };
 
 /* EliminationCan - can a line be eliminated whose nodes have so many equations of the cell before
@@ -100,9 +102,35 @@ PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, const PetscInt h
   PetscFunctionReturn(0);
 }
 
+/* EliminationCreateSeveral - for lines that do not see each other, of so many nodes each, one
+   behind the other on this rank; each is eliminated as the part that it is. Not collective; the
+   caller destroys it with EliminationDestroy(). */
+PetscErrorCode EliminationCreateSeveral(PetscInt lines, const PetscInt nodes[],
+                                        const PetscInt halves[2], Elimination *elimination) {
+  Elimination self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(elimination));
+  self = *elimination;
+  self->comm = PETSC_COMM_SELF;
+  self->parts = lines;
+  self->fields = halves[0] + halves[1];
+  PetscCall(PetscCalloc1(lines, &self->part));
+  for (PetscInt k = 0; k < lines; k++)
+    PetscCall(EliminationCreate(PETSC_COMM_SELF, nodes[k], halves, &self->part[k]));
+  PetscFunctionReturn(0);
+}
+
+/* EliminationPart - that of one of several lines; of one, itself. Borrowed. */
+Elimination EliminationPart(Elimination self, PetscInt k) {
+  return self->parts ? self->part[k] : self;
+}
+
 PetscErrorCode EliminationDestroy(Elimination *self) {
   PetscFunctionBegin;
   if (!*self) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < (*self)->parts; k++) PetscCall(EliminationDestroy(&(*self)->part[k]));
+  PetscCall(PetscFree((*self)->part));
   PetscCall(WideDestroy(&(*self)->wide));
   PetscCall(WideDestroy(&(*self)->whole));
   PetscCall(LineDestroy(&(*self)->own));
@@ -477,11 +505,29 @@ static PetscErrorCode SolveFromTip(Elimination self, const PetscReal (*b)[FIELDS
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode Solve(Elimination self, const PetscReal (*b)[FIELDS], PetscReal (*x)[FIELDS]);
+
+/* Each of several lines. */
+static PetscErrorCode SolveParts(Elimination self, const PetscReal *b, PetscReal *x) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->parts; k++) {
+    const PetscInt n = self->part[k]->nodes * self->fields;
+    PetscCall(Solve(self->part[k], (const PetscReal(*)[FIELDS])b, (PetscReal(*)[FIELDS])x));
+    b += n;
+    x += n;
+  }
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Solve(Elimination self, const PetscReal (*b)[FIELDS],
                             PetscReal (*x)[FIELDS]) {
   PetscReal behind[HALF] = {0};
 
   PetscFunctionBegin;
+  if (self->parts) {
+    PetscCall(SolveParts(self, (const PetscReal *)b, (PetscReal *)x));
+    PetscFunctionReturn(0);
+  }
   if (self->wide) {
     WideSolve(self->wide, (const PetscReal(*)[WIDE_FIELDS])b, (PetscReal(*)[WIDE_FIELDS])x);
     PetscFunctionReturn(0);
@@ -511,6 +557,9 @@ PetscErrorCode EliminationSolve(Elimination self, const PetscReal (*b)[FIELDS],
 
 /* EliminationRegular - could all that was eliminated be divided by? */
 PetscBool EliminationRegular(Elimination self) {
+  for (PetscInt k = 0; k < self->parts; k++)
+    if (!EliminationRegular(self->part[k])) return PETSC_FALSE;
+  if (self->parts) return PETSC_TRUE;
   if (self->wide) return WideRegular(self->wide);
   return self->ranks == 1 ? self->own.regular : self->joint.regular;
 }

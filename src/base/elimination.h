@@ -14,6 +14,9 @@ PetscBool EliminationCan(const PetscInt halves[2], PetscInt ranks);
 PetscBool EliminationCounts(const PetscInt halves[2], PetscInt ranks);
 PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, const PetscInt halves[2],
                                  Elimination *self);
+PetscErrorCode EliminationCreateSeveral(PetscInt lines, const PetscInt nodes[],
+                                        const PetscInt halves[2], Elimination *self);
+Elimination EliminationPart(Elimination self, PetscInt k);
 PetscErrorCode EliminationDestroy(Elimination *self);
 PetscBool EliminationFromTip(Elimination self);
 WideLine EliminationWide(Elimination self);

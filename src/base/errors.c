@@ -32,6 +32,7 @@ static void EndAll(MPI_Comm comm, PetscErrorCode n) {
 static void Say(PetscErrorCode n, const char *message, PetscBool keep) {
   const char *const about =
       n == TENDRIL_ERR_USER ? now->about : "an option is not as PETSc needs it: ";
+  if (now->locate) now->locate(now->located, message, now->about);
   if (keep)
     (void)snprintf(now->message, sizeof(now->message), "%s%s", about, message);
   else
@@ -118,6 +119,7 @@ PetscErrorCode ErrorsEnter(ErrorState *state) {
   PetscFunctionBegin;
   state->said = PETSC_FALSE;
   state->message[0] = state->about[0] = 0;
+  state->locate = NULL;
   state->outer = now;
   now = state;
   PetscCall(PetscPushErrorHandler(Handle, NULL));
@@ -135,6 +137,15 @@ PetscErrorCode ErrorsEnd(void) {
 /* ErrorsAbout - what stands before the line of a user's mistake from here on; "": nothing. */
 void ErrorsAbout(const char *about) {
   if (now) (void)snprintf(now->about, sizeof(now->about), "%s", about);
+}
+
+/* ErrorsLocate - likewise, found by the line itself when it is said; NULL: no more. */
+void ErrorsLocate(void (*locate)(const void *ctx, const char *message, char about[96]),
+                  const void *ctx) {
+  if (!now) return;
+  now->locate = locate;
+  now->located = ctx;
+  if (!locate) now->about[0] = 0;
 }
 
 /* ErrorsOptionsRead - the options are read and the solvers set up: from here on an error of PETSc

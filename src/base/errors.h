@@ -18,6 +18,9 @@ typedef struct ErrorState {
   PetscBool said;    /* the line is out */
   PetscBool keep;    /* keeps the line in message instead of printing it */
   char about[96];    /* stands before a line about an option: where that was asked for */
+  /* says so by the line itself; NULL: about does */
+  void (*locate)(const void *ctx, const char *message, char about[96]);
+  const void *located; /* its ctx */
   char message[1024];
   struct ErrorState *outer;
 } ErrorState;
@@ -26,6 +29,8 @@ PetscErrorCode ErrorsBegin(MPI_Comm comm, PetscBool keep, ErrorState *state);
 PetscErrorCode ErrorsEnter(ErrorState *state);
 PetscErrorCode ErrorsEnd(void);
 void ErrorsAbout(const char *about);
+void ErrorsLocate(void (*locate)(const void *ctx, const char *message, char about[96]),
+                  const void *ctx);
 void ErrorsOptionsRead(void);
 void ErrorsLastWords(void);
 

@@ -9,6 +9,7 @@ struct _HdfFile {
   hid_t id;
   char path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN + 8];
   char fault[HDF_FAULT]; /* what went wrong first; empty: nothing yet */
+  char under[64];        /* HdfUnder(); empty: the file itself */
 };
 
 /* HdfBegin - opens the library; before MPI_Init(). At its end it would close once more a file that
@@ -212,6 +213,7 @@ static void AttributeOf(HdfFile file, const char *object, const char *name, hid_
   hid_t o;
 
   if (!Sound(file)) return;
+  if (!strcmp(object, "/") && file->under[0]) object = file->under;
   o = Try(file, H5Oopen(file->id, object, H5P_DEFAULT));
   if (o < 0) return;
   if (type < 0)
@@ -236,8 +238,19 @@ PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const
     PetscCall(HdfWriteText(file, name, text, "text"));
     PetscFunctionReturn(0);
   }
-  if (!strcmp(object, "/") && Sound(file) && !strchr(name, '/')) PetscCall(HdfDelete(file, name));
+  if (!strcmp(object, "/") && Sound(file) && !file->under[0] && !strchr(name, '/'))
+    PetscCall(HdfDelete(file, name));
   AttributeOf(file, object, name, -1, text);
+  PetscFunctionReturn(0);
+}
+
+/* HdfUnder - from here on what is said of the file ("/") and texts without a path are of this
+   group, which is made; NULL: of the file itself again. */
+PetscErrorCode HdfUnder(HdfFile file, const char *group) {
+  PetscFunctionBegin;
+  if (!Sound(file)) PetscFunctionReturn(0);
+  if (group) PetscCall(HdfGroup(file, group));
+  (void)snprintf(file->under, sizeof(file->under), "%s", group ? group : "");
   PetscFunctionReturn(0);
 }
 
@@ -299,10 +312,15 @@ PetscErrorCode HdfWrite(HdfFile file, const char *name, int rank, const PetscInt
 PetscErrorCode HdfWriteText(HdfFile file, const char *name, const char *text,
                             const char *description) {
   hid_t type, d;
+  char path[192];
 
   PetscFunctionBegin;
   if (!Sound(file)) PetscFunctionReturn(0);
-  DropAttribute(file, name);
+  if (file->under[0] && name[0] != '/') {
+    (void)snprintf(path, sizeof(path), "%s/%s", file->under, name);
+    name = path;
+  } else
+    DropAttribute(file, name);
   PetscCall(HdfDelete(file, name));
   type = Try(file, H5Tcopy(H5T_C_S1));
   if (type < 0) PetscFunctionReturn(0);
@@ -481,8 +499,8 @@ PetscErrorCode HdfDelete(HdfFile file, const char *name) {
   PetscFunctionReturn(0);
 }
 
-/* Reads a dataset of `rank` dimensions; data is allocated. */
-static PetscErrorCode ReadAll(hid_t f, const char *name, int rank, PetscInt dims[],
+/* Reads a dataset of `rank` dimensions; data is allocated. gaps: it may have some, NaN. */
+static PetscErrorCode ReadAll(hid_t f, const char *name, PetscBool gaps, int rank, PetscInt dims[],
                               PetscReal **data, char fault[HDF_FAULT]) {
   hid_t d = H5Dopen2(f, name, H5P_DEFAULT), space;
   hsize_t sizes[HDF_RANK], total = 1;
@@ -512,7 +530,7 @@ static PetscErrorCode ReadAll(hid_t f, const char *name, int rank, PetscInt dims
     if (H5Dread(d, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *data) < 0)
       (void)snprintf(fault, HDF_FAULT, "%s cannot be read as numbers; is the file whole?", name);
     for (hsize_t i = 0; i < total && !fault[0]; i++)
-      if (PetscIsInfOrNanReal((*data)[i]))
+      if (PetscIsInfOrNanReal((*data)[i]) && !(gaps && PetscIsNanReal((*data)[i])))
         (void)snprintf(fault, HDF_FAULT, "%s has a value that is not finite", name);
   }
   H5Dclose(d);
@@ -537,6 +555,30 @@ static PetscErrorCode Verdict(const char *option, const char *path, char fault[H
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode Read(const char *option, const char *path, const char *name, PetscBool gaps,
+                           int rank, PetscInt dims[], PetscReal **data) {
+  char fault[HDF_FAULT] = "";
+  PetscMPIInt me;
+  PetscInt total = 1;
+  hid_t f = -1;
+
+  PetscFunctionBegin;
+  *data = NULL;
+  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
+  if (!me) f = OpenToRead(path, fault);
+  if (f >= 0) {
+    PetscCall(ReadAll(f, name, gaps, rank, dims, data, fault));
+    H5Fclose(f);
+  }
+  if (fault[0]) PetscCall(PetscFree(*data));
+  PetscCall(Verdict(option, path, fault));
+  PetscCallMPI(MPI_Bcast(dims, rank, MPIU_INT, 0, OptionsComm()));
+  for (int i = 0; i < rank; i++) total *= dims[i];
+  if (me) PetscCall(PetscMalloc1(total, data));
+  PetscCallMPI(MPI_Bcast(*data, (PetscMPIInt)total, MPIU_REAL, 0, OptionsComm()));
+  PetscFunctionReturn(0);
+}
+
 /*
   HdfRead - reads a whole array of reals from a file. Collective on OptionsComm(): rank 0 reads.
 
@@ -550,25 +592,16 @@ static PetscErrorCode Verdict(const char *option, const char *path, char fault[H
 */
 PetscErrorCode HdfRead(const char *option, const char *path, const char *name, int rank,
                        PetscInt dims[], PetscReal **data) {
-  char fault[HDF_FAULT] = "";
-  PetscMPIInt me;
-  PetscInt total = 1;
-  hid_t f = -1;
-
   PetscFunctionBegin;
-  *data = NULL;
-  PetscCallMPI(MPI_Comm_rank(OptionsComm(), &me));
-  if (!me) f = OpenToRead(path, fault);
-  if (f >= 0) {
-    PetscCall(ReadAll(f, name, rank, dims, data, fault));
-    H5Fclose(f);
-  }
-  if (fault[0]) PetscCall(PetscFree(*data));
-  PetscCall(Verdict(option, path, fault));
-  PetscCallMPI(MPI_Bcast(dims, rank, MPIU_INT, 0, OptionsComm()));
-  for (int i = 0; i < rank; i++) total *= dims[i];
-  if (me) PetscCall(PetscMalloc1(total, data));
-  PetscCallMPI(MPI_Bcast(*data, (PetscMPIInt)total, MPIU_REAL, 0, OptionsComm()));
+  PetscCall(Read(option, path, name, PETSC_FALSE, rank, dims, data));
+  PetscFunctionReturn(0);
+}
+
+/* HdfReadGaps - the same, of an array that has NaN where there is nothing. Collective. */
+PetscErrorCode HdfReadGaps(const char *option, const char *path, const char *name, int rank,
+                           PetscInt dims[], PetscReal **data) {
+  PetscFunctionBegin;
+  PetscCall(Read(option, path, name, PETSC_TRUE, rank, dims, data));
   PetscFunctionReturn(0);
 }
 

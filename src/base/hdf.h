@@ -36,12 +36,15 @@ PetscErrorCode HdfDelete(HdfFile file, const char *name);
 PetscErrorCode HdfText(HdfFile file, const char *object, const char *name, const char *text);
 PetscErrorCode HdfWriteText(HdfFile file, const char *name, const char *text,
                             const char *description);
+PetscErrorCode HdfUnder(HdfFile file, const char *group);
 PetscErrorCode HdfReal(HdfFile file, const char *object, const char *name, PetscReal value);
 PetscErrorCode HdfInt(HdfFile file, const char *object, const char *name, int value);
 
 /* reading, collective on OptionsComm(): rank 0 reads and tells the others */
 PetscErrorCode HdfRead(const char *option, const char *path, const char *name, int rank,
                        PetscInt dims[], PetscReal **data);
+PetscErrorCode HdfReadGaps(const char *option, const char *path, const char *name, int rank,
+                           PetscInt dims[], PetscReal **data);
 PetscErrorCode HdfReadQuantity(const char *option, const char *path, const char *name,
                                Dimension dimension, int rank, PetscInt dims[], PetscReal **data);
 PetscErrorCode HdfReadText(const char *option, const char *path, const char *name, char **text);

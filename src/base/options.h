@@ -42,7 +42,8 @@ enum {
   IN_PLACE = 64,   /* an input file that may be written over */
   SHARED = 128,    /* PETSc reads it as well as tendril */
   PROGRAM = 256,   /* of the program as a whole: no member of a sweep has it */
-  PART = 512       /* without a unit it may be a part of the rod */
+  PART = 512,      /* without a unit it may be a part of the rod */
+  OF_SCENE = 1024  /* in a group of what each rod may have: of all of them */
 };
 
 typedef struct {
@@ -60,6 +61,7 @@ typedef struct {
   const char *title;
   size_t n;
   const OptionRow *rows;
+  PetscBool of_rod; /* each of several rods may have its own */
 } OptionGroup;
 
 #define ROW_REAL(name, usual, low, high, dimension, flags, text)                                   \
@@ -73,7 +75,9 @@ typedef struct {
 #define ROW_TEXT(name, flags, text)                                                                \
   { name, KIND_TEXT, "", 0, 0, NULL, UNIT_NONE, flags, text }
 #define OPTION_GROUP(title, rows)                                                                  \
-  { title, PETSC_STATIC_ARRAY_LENGTH(rows), rows }
+  { title, PETSC_STATIC_ARRAY_LENGTH(rows), rows, PETSC_FALSE }
+#define OPTION_GROUP_OF_ROD(title, rows)                                                           \
+  { title, PETSC_STATIC_ARRAY_LENGTH(rows), rows, PETSC_TRUE }
 
 /* options_petsc.c: PETSc's own */
 extern const OptionGroup petsc_options;
@@ -83,6 +87,7 @@ PetscErrorCode OptionsRename(PetscBool new_names);
 void OptionsSetTable(size_t n, const OptionGroup *const groups[]);
 const OptionRow *OptionFind(const char *name);
 const OptionRow *OptionNext(size_t *place);
+PetscBool OptionOfRod(const char *name);
 void OptionsHelp(FILE *file);
 const char *OptionNearest(const char *name);
 
@@ -137,6 +142,8 @@ const char *OptionBoth(PetscReal value, Dimension dimension, char text[64]);
 PetscErrorCode OptionVector(const char *name, Dimension dimension, PetscReal v[3],
                             PetscBool *given);
 
+const char *OptionPlace(const PetscReal x[3], char text[96]);
+
 /* options_use.c: what was given, as a whole */
 PetscErrorCode OptionsCheckPetsc(void);
 PetscErrorCode OptionsCheckTypes(void);
@@ -145,6 +152,7 @@ PetscErrorCode OptionsRefuseUnread(void);
 PetscErrorCode OptionsRefuseLeft(void);
 PetscErrorCode OptionsRefuseOverwrite(const char *option, const char *output);
 PetscErrorCode OptionsRefuseStrange(const char *name);
+PetscErrorCode OptionsRefuse(const char *name);
 PetscBool OptionOfPetsc(const char *name);
 PetscErrorCode OptionsList(char **text);
 PetscErrorCode OptionsInForce(char **text);

@@ -30,6 +30,15 @@ const OptionRow *OptionFind(const char *name) {
   return row;
 }
 
+/* OptionOfRod - may each of several rods have this option for itself? */
+PetscBool OptionOfRod(const char *name) {
+  for (size_t g = 0; g < n_groups; g++)
+    for (size_t k = 0; k < groups[g]->n && groups[g]->of_rod; k++)
+      if (!strcmp(groups[g]->rows[k].name, name))
+        return (PetscBool) !(groups[g]->rows[k].flags & (SHARED | OF_SCENE));
+  return PETSC_FALSE;
+}
+
 static const char *Kind(const OptionRow *row) {
   switch (row->kind) {
   case KIND_REAL:

@@ -78,8 +78,8 @@ static PetscBool ReadLate(const char *name) {
   return PETSC_FALSE;
 }
 
-/* One option that nothing has read. */
-static PetscErrorCode RefuseUnread(const char *name) {
+/* OptionsRefuse - refuses an option that nothing has read. Collective. */
+PetscErrorCode OptionsRefuse(const char *name) {
   const char *best = OptionNearest(name), *equals = strchr(name, '=');
 
   PetscFunctionBegin;
@@ -104,7 +104,7 @@ PetscBool OptionOfPetsc(const char *name) {
    Collective. */
 PetscErrorCode OptionsRefuseStrange(const char *name) {
   PetscFunctionBegin;
-  if (!OptionOfPetsc(name)) PetscCall(RefuseUnread(name));
+  if (!OptionOfPetsc(name)) PetscCall(OptionsRefuse(name));
   PetscFunctionReturn(0);
 }
 
@@ -139,7 +139,7 @@ PetscErrorCode OptionsRefuseUnread(void) {
       PetscCall(PetscStrncpy(found, full, sizeof(found)));
   }
   PetscCall(PetscOptionsLeftRestore(NULL, &n, &unread, &values));
-  if (found[0]) PetscCall(RefuseUnread(found));
+  if (found[0]) PetscCall(OptionsRefuse(found));
   ErrorsOptionsRead();
   PetscFunctionReturn(0);
 }

@@ -29,3 +29,12 @@ PetscErrorCode OptionVector(const char *name, Dimension dimension, PetscReal v[3
   UserCheck(n >= 2, OptionsComm(), "%s: give three numbers, a,b,c, or two in the plane, a,b", name);
   PetscFunctionReturn(0);
 }
+
+/* OptionPlace - a place as a person writes it; that of the origin is 0. */
+const char *OptionPlace(const PetscReal x[3], char text[96]) {
+  if (x[0] == 0 && x[1] == 0 && x[2] == 0)
+    (void)snprintf(text, 96, "0");
+  else
+    (void)snprintf(text, 96, "%.6g,%.6g,%.6g", (double)x[0], (double)x[1], (double)x[2]);
+  return text;
+}

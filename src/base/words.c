@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
+static const char *const blanks = " \t\r\n\v\f";
 enum { DEEPEST = 16, LONGEST = PETSC_MAX_PATH_LEN - 1, SHOWN = 60 };
 
 /* A file that is being read, and the one that names it. */
@@ -17,6 +18,7 @@ typedef struct Source {
   struct stat status;
   int line, depth;
   char *fault;
+  int section; /* its lines are of this one; -1: of none */
   const struct Source *outer;
 } Source;
 
@@ -42,9 +44,21 @@ void WordsAdd(OptionWords *self, const char *word) {
   self->word[self->n] = NULL;
 }
 
-/* WordsFree - frees them, and what is known of files. */
+static void FreeSection(OptionSection *self) {
+  for (int k = 0; k < self->n; k++) {
+    free(self->option[k].name);
+    free(self->option[k].value);
+  }
+  free(self->option);
+  free(self->head);
+  free(self->file);
+}
+
+/* WordsFree - frees them, and what is known of files and sections. */
 void WordsFree(OptionWords *self) {
   for (int i = 0; i < self->n; i++) free(self->word[i]);
+  for (int k = 0; k < self->sections; k++) FreeSection(&self->section[k]);
+  free(self->section);
   free((void *)self->word);
   if (self->files) WordsFree(self->files);
   free(self->files);
@@ -83,23 +97,85 @@ static void Place(const Source *self, const char *name, char *path, size_t lengt
 
 static PetscBool AddFile(OptionWords *words, Source *self);
 
+static void KeepFile(OptionWords *words, const char *file) {
+  if (!words->files) words->files = (OptionWords *)Need(calloc(1, sizeof(OptionWords)));
+  WordsAdd(words->files, file);
+}
+
+/* An option of the section that is being read. */
+static void AddToSection(OptionWords *words, const Source *self, const char *name,
+                         const char *value) {
+  OptionSection *section = &words->section[self->section];
+
+  if (section->n == section->room) {
+    section->room = 2 * section->room + 16;
+    section->option = (struct SectionOption *)Need(
+        realloc(section->option, (size_t)section->room * sizeof(*section->option)));
+  }
+  section->option[section->n++] =
+      (struct SectionOption){.name = (char *)Need(strdup(name)),
+                             .value = value ? (char *)Need(strdup(value)) : NULL,
+                             .line = self->line};
+}
+
+/* [rod NAME], [rods FILE.csv] or [pair NAME NAME]: the lines that follow are of that. */
+static PetscBool AddSection(OptionWords *words, Source *self, char *line) {
+  char *end = strchr(line, ']'), *rest, *kind, *what, *also, head[2 * PETSC_MAX_PATH_LEN + 16],
+       path[2 * PETSC_MAX_PATH_LEN];
+  PetscBool rods, good;
+
+  if (!end || end[1 + strspn(end + 1, blanks)])
+    return Fault(self, "a section is a line of its own, in brackets: [rod NAME]");
+  *end = 0;
+  kind = strtok_r(line + 1, blanks, &rest);
+  what = kind ? strtok_r(NULL, blanks, &rest) : NULL;
+  also = what ? strtok_r(NULL, blanks, &rest) : NULL;
+  rods = (PetscBool)(kind && !strcmp(kind, "rods"));
+  good = (PetscBool)(what && !also && (rods || !strcmp(kind, "rod")));
+  if (kind && !strcmp(kind, "pair"))
+    good = (PetscBool)(what && (also || strchr(what, ',')) && !strtok_r(NULL, blanks, &rest));
+  if (!good)
+    return Fault(self, "[%.*s]: a section is [rod NAME], [rods FILE.csv] or [pair NAME NAME]",
+                 SHOWN, kind ? kind : "");
+  if (rods) {
+    Place(self, what, path, sizeof(path));
+    KeepFile(words, path);
+    what = path;
+  }
+  (void)snprintf(head, sizeof(head), "%s %s%s%s", kind, what, also ? " " : "", also ? also : "");
+  self->section = words->sections++;
+  words->section = (OptionSection *)Need(
+      realloc(words->section, (size_t)words->sections * sizeof(*words->section)));
+  words->section[self->section] = (OptionSection){.head = (char *)Need(strdup(head)),
+                                                  .file = (char *)Need(strdup(self->file)),
+                                                  .line = self->line};
+  return PETSC_TRUE;
+}
+
 /* An option and its value, which may be NULL. */
 static PetscBool AddOption(OptionWords *words, const Source *self, const char *name,
                            const char *value) {
   const OptionRow *row = OptionFind(name);
   char path[2 * PETSC_MAX_PATH_LEN];
-  Source inner = {.file = path, .fault = self->fault, .depth = self->depth + 1, .outer = self};
+  Source inner = {
+      .file = path, .fault = self->fault, .depth = self->depth + 1, .section = -1, .outer = self};
 
   if (value && row && row->flags & INPUT_FILE) {
     Place(self, value, path, sizeof(path));
     value = path;
   }
+  if (self->section >= 0 && !strcmp(name, "-options_file"))
+    return Fault(self, "-options_file: is no option of a rod; name it before the first section");
   if (!strcmp(name, "-options_file"))
     return value ? AddFile(words, &inner) : Fault(self, "-options_file: give the name of a file");
   if (value && strlen(value) > LONGEST)
     return Fault(self, "%.*s: its value has more than %d characters", SHOWN, name, (int)LONGEST);
-  WordsAdd(words, name);
-  if (value) WordsAdd(words, value);
+  if (self->section >= 0)
+    AddToSection(words, self, name, value);
+  else {
+    WordsAdd(words, name);
+    if (value) WordsAdd(words, value);
+  }
   return PETSC_TRUE;
 }
 
@@ -111,11 +187,12 @@ static PetscBool CheckName(const Source *self, const char *name) {
   return Fault(self, "begin the line with an option (-) or a comment (#): %.*s", SHOWN, name);
 }
 
-static PetscBool AddLine(OptionWords *words, const Source *self, char *line) {
-  const char *const blanks = " \t\r\n\v\f";
+static PetscBool AddLine(OptionWords *words, Source *self, char *line) {
   char *rest, *name, *value, *more;
 
   line[strcspn(line, "#")] = 0;
+  line += strspn(line, blanks);
+  if (line[0] == '[') return AddSection(words, self, line);
   name = strtok_r(line, blanks, &rest);
   if (!name || strchr("!%", name[0])) return PETSC_TRUE;
   if (!CheckName(self, name)) return PETSC_FALSE;
@@ -163,8 +240,7 @@ static PetscBool AddFile(OptionWords *words, Source *self) {
   if (!CheckFile(self)) return PETSC_FALSE;
   f = fopen(self->file, "r");
   if (!f) return Fault(self, "cannot be read");
-  if (!words->files) words->files = (OptionWords *)Need(calloc(1, sizeof(OptionWords)));
-  WordsAdd(words->files, self->file);
+  KeepFile(words, self->file);
   for (good = PETSC_TRUE; good && (n = getline(&line, &room, f)) >= 0;) {
     char *begin = line;
     /* an editor may have put a byte order mark before the first line */
@@ -186,7 +262,22 @@ static PetscBool AddFile(OptionWords *words, Source *self) {
   Returns whether all is well.
 */
 PetscBool WordsAddFile(OptionWords *words, const char *file, char fault[WORDS_FAULT]) {
-  Source source = {.file = file, .fault = fault};
+  Source source = {.file = file, .section = -1, .fault = fault};
 
   return AddFile(words, &source);
+}
+
+/* WordsAddText - adds the options of a text that is in memory, of this file, as WordsAddFile(); the
+   text is used up. */
+PetscBool WordsAddText(OptionWords *words, const char *file, char *text, char fault[WORDS_FAULT]) {
+  Source source = {.file = file, .section = -1, .fault = fault};
+  PetscBool good = PETSC_TRUE;
+
+  for (char *line = text, *next; good && line; line = next) {
+    next = strchr(line, '\n');
+    if (next) *next++ = 0;
+    source.line++;
+    good = AddLine(words, &source, line);
+  }
+  return good;
 }

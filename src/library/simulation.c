@@ -201,6 +201,9 @@ static PetscErrorCode TakeFile(Tendril self, const char *file) {
   PetscFunctionBegin;
   UserCheck(file && WordsAddFile(taken, file, fault), self->comm, "%s",
             file ? fault : "-options_file: give the name of a file");
+  UserCheck(!taken->sections, self->comm,
+            "-options_file %s, line %d: [%s]: a simulation has one rod; the program runs several",
+            taken->section[0].file, taken->section[0].line, taken->section[0].head);
   for (int i = before; i < taken->n; i++) {
     const char *name = taken->word[i];
     const PetscBool value = (PetscBool)(i + 1 < taken->n && !WordIsOption(taken->word[i + 1]));

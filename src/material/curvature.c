@@ -23,7 +23,7 @@ static const OptionRow rows[] = {
         "-rod_curvature_length", "0.1", 1e-4, 1e4, UNIT_LENGTH, PART,
         "its correlation length: a part of the rod, if it grows in place; a length, if it slides"),
     ROW_INT("-rod_curvature_seed", "1", 0, 2e9, 0, "its seed")};
-const OptionGroup curvature_options = OPTION_GROUP("Natural curvature", rows);
+const OptionGroup curvature_options = OPTION_GROUP_OF_ROD("Natural curvature", rows);
 
 enum { WAVES = 64, ANGLES = 4001, PER_LENGTH = 8, MARGIN = 30 };
 

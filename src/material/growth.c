@@ -18,7 +18,7 @@ static const OptionRow rows[] = {
              "CSV or HDF5 file with t and length, or t and speed: how a rod is fed over time, and "
              "pulled out again (feed)"),
     ROW_TEXT("-growth_table", INPUT_FILE, "HDF5 file with /s [ns], /t [nt], /g [nt, ns] (table)")};
-const OptionGroup growth_options = OPTION_GROUP("Growth", rows);
+const OptionGroup growth_options = OPTION_GROUP_OF_ROD("Growth", rows);
 
 /* GrowthDestroyData - for laws whose data is one block. */
 PetscErrorCode GrowthDestroyData(Growth self) {

@@ -16,7 +16,7 @@ static const OptionRow rows[] = {
         "/u2, /u3, twist and bends per length beside the natural ones"),
     ROW_REAL("-shape_turn", "0", -6.2832, 6.2832, UNIT_ANGLE, 0,
              "turns the initial shape about the axis of the clamp, out of the plane, in radians")};
-const OptionGroup shape_options = OPTION_GROUP("Initial shape", rows);
+const OptionGroup shape_options = OPTION_GROUP_OF_ROD("Initial shape", rows);
 
 /*
   ShapeSetTable - gives the shape by its angle against the clamp at n labels (splined).

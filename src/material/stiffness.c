@@ -6,7 +6,7 @@ static const OptionRow rows[] = {ROW_TEXT(
     "-rod_stiffness_file", INPUT_FILE,
     "HDF5 file with /distance from the tip, from 0, and /factor: the bending stiffness over "
     "that of the scales, constant beyond the end")};
-const OptionGroup stiffness_options = OPTION_GROUP("Stiffness along the rod", rows);
+const OptionGroup stiffness_options = OPTION_GROUP_OF_ROD("Stiffness along the rod", rows);
 
 static PetscErrorCode Check(const char *file, const Stiffness *self, PetscInt m) {
   const PetscReal *d = self->distance;

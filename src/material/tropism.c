@@ -39,7 +39,7 @@ static const OptionRow rows[] = {
     ROW_REAL("-growth_ironing", "0", 0, 1e6, UNIT_NONE, 0,
              "I, how strongly growth gives way to bending moments, whose bend the material keeps: "
              "per growth strain; 20 to 500 in plants")};
-const OptionGroup tropism_options = OPTION_GROUP("Tropism", rows);
+const OptionGroup tropism_options = OPTION_GROUP_OF_ROD("Tropism", rows);
 
 /* A vector that has to be given where its strength is not 0. */
 static PetscErrorCode Towards(const char *strength, const char *name, Dimension dimension,
@@ -108,10 +108,11 @@ PetscErrorCode TropismSetFromOptions(Tropism *self, Growth growth) {
 }
 
 /* TropismFrame - its vectors are those of the clamp's frame from now on; the columns of lab are the
-   axes of that in the laboratory. */
-void TropismFrame(Tropism *self, const PetscReal lab[3][3]) {
+   axes of that in the laboratory, where it is at place. */
+void TropismFrame(Tropism *self, const PetscReal lab[3][3], const PetscReal place[3]) {
   PetscReal *const vector[2] = {self->direction, self->source};
 
+  for (int d = 0; d < 3; d++) self->source[d] -= place[d];
   for (int k = 0; k < 2; k++) {
     const PetscReal v[3] = {vector[k][0], vector[k][1], vector[k][2]};
     for (int d = 0; d < 3; d++)
@@ -140,11 +141,11 @@ static PetscReal *VectorOf(Tropism *self, const char *name, PetscReal *sensed) {
   TropismChange - a number or a vector of the law is what the options have by now. What was 0 from
   the start stays so: the run follows nothing that only it would need. Collective on OptionsComm().
 
-  lab    the axes of the clamp's frame in the laboratory, its columns
+  lab    the axes of the clamp's frame in the laboratory, its columns; place: where that is
   space  the rod is in space: a vector may point out of the plane
 */
 PetscErrorCode TropismChange(Tropism *self, const char *name, const PetscReal lab[3][3],
-                             PetscBool space) {
+                             const PetscReal place[3], PetscBool space) {
   PetscReal *number = NumberOf(self, name), *vector, sensed, v[3] = {0, 0, 0}, size = 1;
   PetscBool given;
 
@@ -163,6 +164,7 @@ PetscErrorCode TropismChange(Tropism *self, const char *name, const PetscReal la
   UserCheck(size > 0, OptionsComm(), "%s: has no length; give a direction, like 0,-1", name);
   UserCheck(v[2] == 0 || space, OptionsComm(), "%s: leads out of the plane, in which this run is",
             name);
+  for (int d = 0; d < 3 && vector == self->source; d++) v[d] -= place[d];
   for (int d = 0; d < 3; d++)
     vector[d] = (lab[0][d] * v[0] + lab[1][d] * v[1] + lab[2][d] * v[2]) / size;
   PetscFunctionReturn(0);

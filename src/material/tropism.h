@@ -32,9 +32,9 @@ typedef struct {
 extern const OptionGroup tropism_options;
 
 PetscErrorCode TropismSetFromOptions(Tropism *tropism, Growth growth);
-void TropismFrame(Tropism *tropism, const PetscReal lab[3][3]);
+void TropismFrame(Tropism *tropism, const PetscReal lab[3][3], const PetscReal place[3]);
 PetscErrorCode TropismChange(Tropism *tropism, const char *name, const PetscReal lab[3][3],
-                             PetscBool space);
+                             const PetscReal place[3], PetscBool space);
 PetscReal TropismDriveAt(const Tropism *tropism, const TropismPlace *at, int bend, PetscReal t,
                          PetscReal signal, PetscReal u0, PetscReal elastic);
 PetscReal TropismNearLamp(const Tropism *tropism, const PetscReal from[3], const PetscReal to[3]);

@@ -923,8 +923,8 @@ PetscErrorCode ObserverLookMoving(Observer observer, Rod rod, PetscReal t, Vec U
    step slides on what is stiff. So a work that is off that of the times by so many times their
    doubt is none. (A look costs a quarter of an iteration; PETSc's steppers are not asked.)
    Collective. */
-static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between[2], Vec U, TS ts,
-                                 Work *work) {
+static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between[2], Vec U,
+                                 Leg *leg, Work *work) {
   const PetscReal h = between[1] - between[0], far = 100;
   PetscReal net = 0, loss = 0;
   PetscBool known = PETSC_TRUE;
@@ -936,7 +936,7 @@ static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between
   PetscCall(VecDuplicate(U, &V_t));
   for (int q = 0; q < GAUSS && known; q++) {
     PetscReal t = between[0] + h * gauss_point[q];
-    PetscCall(VBDFInterpolate(ts, t, V, V_t, &known));
+    PetscCall(LegWithin(leg, t, V, V_t, &known));
     if (known) PetscCall(Look(self, rod, t, V, V_t, TOUCHING_POWERS, &seen));
     if (known) net += h * gauss_weight[q] * NetPower(&seen);
     if (known) loss += h * gauss_weight[q] * seen.dissipation;
@@ -951,7 +951,7 @@ static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between
 
 /* Follows the balance of energy to what is seen: rank 0 does, and says when it needs to look within
    the step. Collective. */
-static PetscErrorCode MeasureBalance(Observer self, Rod rod, Vec U, TS ts, Observation *seen) {
+static PetscErrorCode MeasureBalance(Observer self, Rod rod, Vec U, Leg *leg, Observation *seen) {
   PetscReal between[2] = {0, 0}; /* the interval to look within */
   Work work = {0};
   PetscBool new = (PetscBool)(self->gathered && !(self->n && seen->t == self->time[self->n - 1]));
@@ -962,8 +962,8 @@ static PetscErrorCode MeasureBalance(Observer self, Rod rod, Vec U, TS ts, Obser
     if (self->n > 1) WorkFromTimes(self, seen, &work);
     for (int k = 0; k < 2 && work.unsure; k++) between[k] = self->time[self->n - 2 + k];
   }
-  if (ts) PetscCallMPI(MPI_Bcast(between, 2, MPIU_REAL, 0, self->comm));
-  if (ts && between[1] > between[0]) PetscCall(WorkWithin(self, rod, between, U, ts, &work));
+  if (leg) PetscCallMPI(MPI_Bcast(between, 2, MPIU_REAL, 0, self->comm));
+  if (leg && between[1] > between[0]) PetscCall(WorkWithin(self, rod, between, U, leg, &work));
   if (new) CloseInterval(self, &work, seen);
   PetscFunctionReturn(0);
 }
@@ -973,13 +973,13 @@ static PetscErrorCode MeasureBalance(Observer self, Rod rod, Vec U, TS ts, Obser
   left to the caller. Collective; the result is on every rank. Times must come in increasing order,
   for the energy balance is summed from one to the next.
 
-  ts  whose latest step has led there, for what happens within it; NULL: it is not known
+  leg  whose latest step has led there, for what happens within it; NULL: it is not known
 */
-PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, TS ts,
+PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, Leg *leg,
                                Observation *seen) {
   PetscFunctionBegin;
   PetscCall(Look(observer, rod, t, U, U_t, TOUCHING_ALL, seen));
-  PetscCall(MeasureBalance(observer, rod, U, ts, seen));
+  PetscCall(MeasureBalance(observer, rod, U, leg, seen));
   PetscCallMPI(MPI_Bcast(seen, OBSERVED, MPIU_REAL, 0, observer->comm));
   PetscFunctionReturn(0);
 }

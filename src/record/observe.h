@@ -3,6 +3,7 @@
 #define TENDRIL_OBSERVE_H
 
 #include "record/touching.h"
+#include "stepping/leg.h"
 #include "stepping/vbdf.h"
 
 /* X(name, units, description): the series of the result file, in this order. */
@@ -131,7 +132,7 @@ PetscErrorCode ObserverTouch(Observer observer, PetscReal t, const Node *nodes, 
 PetscErrorCode ObserverLook(Observer observer, Rod rod, PetscReal t, Vec U, Observation *seen);
 PetscErrorCode ObserverLookMoving(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                                   Observation *seen);
-PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, TS ts,
+PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, Leg *leg,
                                Observation *seen);
 PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
 PetscErrorCode ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);

@@ -125,10 +125,10 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
                     contact[SPIN] * p->spin;
   seen->tip_angle = tip->theta;
   SceneToLab(scene, tip->x3, lab);
-  seen->tip_x1 = lab[0];
-  seen->tip_x2 = lab[1];
-  seen->tip_x3 = lab[2];
   seen->end_distance = PetscSqrtReal(Dot3(lab, lab));
+  seen->tip_x1 = lab[0] + scene->space.place[0];
+  seen->tip_x2 = lab[1] + scene->space.place[1];
+  seen->tip_x3 = lab[2] + scene->space.place[2];
   for (int d = 0; d < 3; d++) force[d] = tip->n3[d] - contact[d];
   SceneToLab(scene, force, lab);
   seen->tip_force_1 = lab[0];

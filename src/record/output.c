@@ -201,9 +201,9 @@ PetscErrorCode OutputCreate(const char *path, Scene scene, Output *output) {
   PetscFunctionReturn(0);
 }
 
-/* Is t one of the times at which shapes are stored? Those are added up as a run does; 0, near to
-   which a run may take many steps, is none of them. */
-static PetscBool OnGrid(PetscReal t, PetscReal interval) {
+/* OutputOnGrid - is t one of the times at which shapes are stored? Those are added up as a run
+   does; 0, near to which a run may take many steps, is none of them. */
+PetscBool OutputOnGrid(PetscReal t, PetscReal interval) {
   PetscReal due = interval;
 
   while (due < t * (1 - 1e-12)) due += interval;
@@ -256,7 +256,7 @@ PetscErrorCode OutputContinue(const char *path, const char *from, Scene scene, P
   UserCheck(good, scene->comm, "-restart %s: its series end before its last state", from);
   PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, &times));
   shapes = OutputCountUpTo(n, times, t);
-  if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OnGrid(t, interval)) shapes--;
+  if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OutputOnGrid(t, interval)) shapes--;
   if (path) path = path[0] ? path : from; /* NULL: nothing is stored by itself */
   PetscCall(New(path ? path : "", scene, output));
   PetscCall(PetscStrncpy((*output)->from, from, sizeof((*output)->from)));

@@ -52,6 +52,7 @@ PetscErrorCode OutputDestroy(Output *output);
 
 /* for the results of other tasks */
 PetscErrorCode OutputRefuse(const char *option, const char *path);
+PetscErrorCode OutputParameters(HdfFile file);
 PetscErrorCode OutputVersions(HdfFile file);
 PetscErrorCode OutputNewFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file);
 PetscErrorCode OutputEndFile(const char *option, const char *path, MPI_Comm comm, HdfFile *file);

@@ -106,7 +106,7 @@ static PetscErrorCode WriteEvent(Output self, HdfFile file) {
   PetscCall(HdfWrite(file, "/event/t", 0, NULL, &event->t, "l/V", "its time"));
   PetscCall(HdfWrite(file, "/event/s", 1, &two, event->s, "1",
                      "labels of the places concerned; twice the same if it is one"));
-  SceneToLab(self->scene, event->x, x);
+  ScenePlaceToLab(self->scene, event->x, x);
   PetscCall(HdfWrite(file, "/event/x", 1, &two, x, "l", "position x1, x2"));
   PetscCall(HdfText(file, "/event", "kind", event_name[event->kind]));
   PetscFunctionReturn(0);

@@ -86,6 +86,29 @@ static PetscBool TakeUnnamed(RestartState *state, const char *name, PetscInt n,
   return known;
 }
 
+/* Takes a state from n reals, by names; known: they are all of this version. */
+static PetscErrorCode TakeAll(const char *names, PetscBool named, PetscInt n, const PetscReal *data,
+                              RestartState *state, PetscBool *known) {
+  PetscInt at = 0, many;
+  char *copy, *left;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(state, sizeof(*state)));
+  PetscCall(PetscStrallocpy(names, &copy));
+  *known = PETSC_TRUE;
+  for (char *name = strtok(copy, " \n"); name && *known; name = strtok(NULL, " \n")) {
+    const char *count = strtok(NULL, " \n");
+    many = count ? (PetscInt)strtol(count, &left, 10) : 0;
+    *known = (PetscBool)(many > 0 && at + many <= n &&
+                         (named ? Take : TakeUnnamed)(state, name, many, data + at));
+    at += many;
+  }
+  if (at != n) *known = PETSC_FALSE;
+  if (!named) state->kept.changed = -1;
+  PetscCall(PetscFree(copy));
+  PetscFunctionReturn(0);
+}
+
 /*
   RememberedRead - the state that a file has. Collective.
 
@@ -93,30 +116,22 @@ static PetscBool TakeUnnamed(RestartState *state, const char *name, PetscInt n,
   is of another version.
 */
 PetscErrorCode RememberedRead(const char *file, MPI_Comm comm, RestartState *state) {
-  PetscInt n, at = 0, many;
-  PetscBool named, known = PETSC_TRUE;
-  char *names = NULL, *left;
+  PetscInt n;
+  PetscBool named, known;
+  char *names = NULL;
   PetscReal *data;
 
   PetscFunctionBegin;
-  PetscCall(PetscMemzero(state, sizeof(*state)));
   PetscCall(HdfRead("-restart", file, "/restart/state", 1, &n, &data));
   PetscCall(HdfHas(file, "/restart/names", &named));
   if (named)
     PetscCall(HdfReadText("-restart", file, "/restart/names", &names));
   else
     PetscCall(PetscStrallocpy(unnamed, &names));
-  for (char *name = strtok(names, " \n"); name && known; name = strtok(NULL, " \n")) {
-    const char *count = strtok(NULL, " \n");
-    many = count ? (PetscInt)strtol(count, &left, 10) : 0;
-    known = (PetscBool)(many > 0 && at + many <= n &&
-                        (named ? Take : TakeUnnamed)(state, name, many, data + at));
-    at += many;
-  }
-  if (!named) state->kept.changed = -1;
+  PetscCall(TakeAll(names, named, n, data, state, &known));
   PetscCall(PetscFree(names));
   PetscCall(PetscFree(data));
-  UserCheck(known && at == n, comm, "-restart %s: is of another version of tendril", file);
+  UserCheck(known, comm, "-restart %s: is of another version of tendril", file);
   PetscFunctionReturn(0);
 }
 
@@ -144,5 +159,45 @@ PetscErrorCode RememberedWrite(HdfFile file, const RestartState *state) {
                      "time, step and history of the stepper, for -restart"));
   PetscCall(HdfWriteText(file, "/restart/names", names, "what they are, and how many"));
   PetscCall(PetscFree(names));
+  PetscFunctionReturn(0);
+}
+
+/* RememberedWriteEach - writes the states of n rods, as RememberedWrite() that of all, behind it.
+ */
+PetscErrorCode RememberedWriteEach(HdfFile file, PetscInt n, const RestartState state[]) {
+  const PetscInt dims[2] = {n, RESTART_STATE};
+  PetscReal *value, *to;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n * RESTART_STATE, &value));
+  to = value;
+  for (PetscInt r = 0; r < n; r++)
+    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(numbers); k++)
+      for (PetscInt i = 0; i < numbers[k].n; i++)
+        *to++ = ((const PetscReal *)&state[r])[numbers[k].at + i];
+  PetscCall(HdfWrite(file, "/restart/each", 2, dims, value, "mixed",
+                     "what each rod remembers, as state has it of all"));
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(0);
+}
+
+/* RememberedReadEach - the states of n rods that a file has. Collective. */
+PetscErrorCode RememberedReadEach(const char *file, MPI_Comm comm, PetscInt n,
+                                  RestartState state[]) {
+  PetscBool known = PETSC_TRUE;
+  PetscInt dims[2];
+  PetscReal *data;
+  char *names;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", file, "/restart/each", 2, dims, &data));
+  PetscCall(HdfReadText("-restart", file, "/restart/names", &names));
+  UserCheck(dims[0] == n, comm, "-restart %s: holds the state of %d rods, and there are %d", file,
+            (int)dims[0], (int)n);
+  for (PetscInt k = 0; k < n && known; k++)
+    PetscCall(TakeAll(names, PETSC_TRUE, dims[1], data + k * dims[1], &state[k], &known));
+  PetscCall(PetscFree(names));
+  PetscCall(PetscFree(data));
+  UserCheck(known, comm, "-restart %s: is of another version of tendril", file);
   PetscFunctionReturn(0);
 }

@@ -87,5 +87,8 @@ enum { RESTART_STATE = sizeof(RestartState) / sizeof(PetscReal) };
 
 PetscErrorCode RememberedWrite(HdfFile file, const RestartState *state);
 PetscErrorCode RememberedRead(const char *file, MPI_Comm comm, RestartState *state);
+PetscErrorCode RememberedWriteEach(HdfFile file, PetscInt n, const RestartState state[]);
+PetscErrorCode RememberedReadEach(const char *file, MPI_Comm comm, PetscInt n,
+                                  RestartState state[]);
 
 #endif

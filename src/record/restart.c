@@ -293,37 +293,46 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(OptionGiven("-ts_dt", &given));
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
-  PetscCall(PetscArraycpy(leg->kick, state->kick, RESTART_KICKS));
-  leg->kick_ends = state->kick_ends;
+  PetscCall(PetscArraycpy(leg->of->kick, state->kick, RESTART_KICKS));
+  leg->of->kick_ends = state->kick_ends;
   leg->ease.times = PetscMin(state->ease, leg->ease.most);
   leg->ease.wants = PetscMin(state->wants, leg->ease.most);
   leg->ease.others = state->others;
   PetscFunctionReturn(0);
 }
 
-/* RestartTakeErrors - goes on following the errors of an earlier run, if it did; they are those of
-   the estimate's leg. Collective. */
-PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Estimate estimate) {
+/* RestartReadErrors - the errors that are followed, as vectors that are there. Collective. */
+PetscErrorCode RestartReadErrors(const char *file, const RestartState *state, MPI_Comm comm,
+                                 Vec errors[]) {
   Reader reader = {.file = file};
-  Vec errors[ESTIMATE_KEPT];
   PetscMPIInt rank;
-  MPI_Comm comm;
   int whole;
 
   PetscFunctionBegin;
-  PetscCall(EstimateSet(estimate, state->t, state->errors));
-  if (!estimate || state->follows == 0) PetscFunctionReturn(0);
-  PetscCall(EstimateVectors(estimate, errors));
   PetscCall(ReaderOpen(errors[0], &reader));
   for (PetscInt k = 0; k < ESTIMATE_KEPT; k++)
     PetscCall(ReadVector(&reader, "/restart/errors", k, errors[k]));
   PetscCall(ReaderClose(&reader));
-  PetscCall(PetscObjectGetComm((PetscObject)errors[0], &comm));
   PetscCallMPI(MPI_Comm_rank(comm, &rank));
   whole = rank || (!reader.fault[0] && reader.sum == state->errors_sum);
   PetscCallMPI(MPI_Bcast(&whole, 1, MPI_INT, 0, comm));
   UserCheck(whole, comm, "-restart %s: its last state is not whole, and cannot be gone on with",
             file);
+  PetscFunctionReturn(0);
+}
+
+/* RestartTakeErrors - goes on following the errors of an earlier run, if it did; they are those of
+   the estimate's leg. Collective. */
+PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Estimate estimate) {
+  Vec errors[ESTIMATE_KEPT];
+  MPI_Comm comm;
+
+  PetscFunctionBegin;
+  PetscCall(EstimateSet(estimate, state->t, state->errors));
+  if (!estimate || state->follows == 0) PetscFunctionReturn(0);
+  PetscCall(EstimateVectors(estimate, errors));
+  PetscCall(PetscObjectGetComm((PetscObject)errors[0], &comm));
+  PetscCall(RestartReadErrors(file, state, comm, errors));
   PetscCall(EstimateTake(estimate, state->following, errors));
   PetscCall(EstimateVectorsDestroy(estimate, errors));
   PetscFunctionReturn(0);
@@ -351,8 +360,8 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
-  PetscCall(PetscArraycpy(state->kick, leg->kick, RESTART_KICKS));
-  state->kick_ends = leg->kick_ends;
+  PetscCall(PetscArraycpy(state->kick, leg->of->kick, RESTART_KICKS));
+  state->kick_ends = leg->of->kick_ends;
   state->wants = leg->ease.wants;
   state->ease = leg->ease.times;
   state->others = leg->ease.others;

@@ -13,6 +13,8 @@ PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart)
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun);
 PetscErrorCode RestartChange(const char *file, Scene scene);
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg);
+PetscErrorCode RestartReadErrors(const char *file, const RestartState *state, MPI_Comm comm,
+                                 Vec errors[]);
 PetscErrorCode RestartTakeErrors(const char *file, const RestartState *state, Estimate estimate);
 PetscErrorCode RestartWrite(HdfFile file, Scene scene, Rod rod, RestartState *state, Vec points[],
                             Vec errors[]);

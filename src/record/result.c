@@ -10,8 +10,8 @@ static const char *const meaning_of_units =
     "stiffness; "
     "si_length and the like, if given, say what 1 is in SI units";
 
-/* The value of each option in force, defaults included. */
-static PetscErrorCode ParameterAttributes(HdfFile file) {
+/* OutputParameters - the value of each option in force, defaults included. */
+PetscErrorCode OutputParameters(HdfFile file) {
   char *all, name[128];
 
   PetscFunctionBegin;
@@ -56,7 +56,7 @@ PetscErrorCode OutputAttributes(HdfFile file, MPI_Comm comm, PetscBool finished)
   PetscCall(OptionsList(&options));
   PetscCall(HdfText(file, "/", "options", options));
   PetscCall(PetscFree(options));
-  PetscCall(ParameterAttributes(file));
+  PetscCall(OutputParameters(file));
   PetscCall(OutputVersions(file));
   PetscCallMPI(MPI_Comm_size(comm, &ranks));
   PetscCall(HdfInt(file, "/", "ranks", ranks));

@@ -77,7 +77,7 @@ static void InSpace(Scene scene, const Node *node, const Material *at, LabNode *
   }
   lab->bend = PetscSqrtReal(lab->strain[1] * lab->strain[1] + lab->strain[2] * lab->strain[2]);
   lab->theta = node->theta;
-  SceneToLab(scene, node->x3, lab->x);
+  ScenePlaceToLab(scene, node->x3, lab->x);
   SceneToLab(scene, v, lab->v);
   SceneToLab(scene, node->n3, lab->force);
   SceneToLab(scene, node->m3, lab->moment);

@@ -45,6 +45,7 @@ struct _Output {
 
 PetscInt OutputShapeSize(const Output output, int set);
 PetscInt OutputCountUpTo(PetscInt n, const PetscReal times[], PetscReal t);
+PetscBool OutputOnGrid(PetscReal t, PetscReal interval);
 PetscErrorCode OutputRefuseTaken(const char *option, const char *path);
 
 /* output_keep.c */

@@ -8,6 +8,65 @@ static PetscBool Any(const Rod rod, PetscBool (*is)(const struct _Scene *)) {
   return PETSC_FALSE;
 }
 
+/* ---- parts ---- */
+
+/* A vector on the reals of rod k among those of all. */
+static PetscErrorCode PartOn(const Rod rod, PetscInt k, const PetscScalar *a, Vec *part) {
+  const PetscInt fields = rod->model->fields, first = rod->at[k];
+
+  PetscFunctionBegin;
+  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, fields, (rod->at[k + 1] - first) * fields,
+                                  a + first * fields, part));
+  PetscFunctionReturn(0);
+}
+
+/* RodPartOpen - the part of a vector that is one rod's, until RodPartClose(); of one rod the vector
+   itself. */
+PetscErrorCode RodPartOpen(const Rod rod, PetscInt k, Vec all, Vec *part) {
+  PetscScalar *a;
+
+  PetscFunctionBegin;
+  *part = all;
+  if (!rod->at) PetscFunctionReturn(0);
+  PetscCall(VecGetArray(all, &a));
+  PetscCall(PartOn(rod, k, a, part));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RodPartClose(const Rod rod, PetscInt k, Vec all, Vec *part) {
+  PetscScalar *a = NULL;
+
+  PetscFunctionBegin;
+  (void)k;
+  if (!rod->at) PetscFunctionReturn(0);
+  PetscCall(VecDestroy(part));
+  PetscCall(VecRestoreArray(all, &a));
+  PetscFunctionReturn(0);
+}
+
+/* RodPartOpenRead - the same, of a vector that is read alone: it does not count as changed. */
+PetscErrorCode RodPartOpenRead(const Rod rod, PetscInt k, Vec all, Vec *part) {
+  const PetscScalar *a;
+
+  PetscFunctionBegin;
+  *part = all;
+  if (!rod->at || !all) PetscFunctionReturn(0);
+  PetscCall(VecGetArrayRead(all, &a));
+  PetscCall(PartOn(rod, k, a, part));
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RodPartCloseRead(const Rod rod, PetscInt k, Vec all, Vec *part) {
+  const PetscScalar *a = NULL;
+
+  PetscFunctionBegin;
+  (void)k;
+  if (!rod->at || !all) PetscFunctionReturn(0);
+  PetscCall(VecDestroy(part));
+  PetscCall(VecRestoreArrayRead(all, &a));
+  PetscFunctionReturn(0);
+}
+
 /* ---- ends, length, units ---- */
 
 /* RodEndsOf - what holds the ends. */
@@ -66,10 +125,10 @@ PetscReal RodEndTime(const Rod rod) {
   return rod->each[0]->scene->end_time;
 }
 
-/* RodUnits - the units that its scene makes for itself: those of the first, which all share.
-   Borrowed. */
+/* RodUnits - the units that its scene makes for itself; of several, those that suit all. Borrowed.
+ */
 const SceneUnits *RodUnits(const Rod rod) {
-  return &rod->each[0]->scene->units;
+  return &rod->scene->units;
 }
 
 /* ---- contact ---- */

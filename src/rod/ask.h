@@ -11,6 +11,18 @@ typedef struct {
   PetscBool tip_held, tip_rests, tip_points; /* the tip; at rest; its directors, too */
 } RodEnds;
 
+/* the part of a vector of the unknowns that is one rod's; all of it, of one rod */
+PetscErrorCode RodPartOpen(const Rod rod, PetscInt k, Vec all, Vec *part);
+PetscErrorCode RodPartClose(const Rod rod, PetscInt k, Vec all, Vec *part);
+PetscErrorCode RodPartOpenRead(const Rod rod, PetscInt k, Vec all, Vec *part);
+PetscErrorCode RodPartCloseRead(const Rod rod, PetscInt k, Vec all, Vec *part);
+
+/* where the nodes of one are among the owned ones: from, and up to, so many */
+static inline void RodPartNodes(const Rod rod, PetscInt k, PetscInt *begin, PetscInt *end) {
+  *begin = rod->at ? rod->at[k] : 0;
+  *end = rod->at ? rod->at[k + 1] : rod->end - rod->first;
+}
+
 /* its ends, length and units */
 RodEnds RodEndsOf(const Rod rod);
 PetscErrorCode RodLength(const Rod rod, PetscReal t, PetscReal *length);

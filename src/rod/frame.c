@@ -17,7 +17,7 @@
 
 static const OptionRow rows[] = {
     ROW_WORD("-rod_order", "4", "2,4", 0, "order in space of the models frame and space")};
-const OptionGroup frame_options = OPTION_GROUP("Models frame and space", rows);
+const OptionGroup frame_options = OPTION_GROUP_OF_ROD("Models frame and space", rows);
 
 /* The present state of a rod, and the cell that is looked at. The points outlive it: a Jacobian
    follows on the residual of the same state. */

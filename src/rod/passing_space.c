@@ -36,9 +36,7 @@ static PetscBool BehindUpright(const Contact *contact, const PetscReal x[3]) {
   PetscReal y[3];
 
   if (!contact->walls.n) return PETSC_FALSE;
-  for (int d = 0; d < 3; d++)
-    y[d] = contact->upright[d][0] * x[0] + contact->upright[d][1] * x[1] +
-           contact->upright[d][2] * x[2];
+  ContactToWalls(contact, x, y);
   return (PetscBool)(WallsBehind(&contact->walls, y) >= 0);
 }
 
@@ -91,8 +89,7 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
   PetscReal y[3];
 
   *fine = PETSC_MAX_REAL;
-  for (int d = 0; d < 3; d++)
-    y[d] = contact->lab[d][0] * x[0] + contact->lab[d][1] * x[1] + contact->lab[d][2] * x[2];
+  ContactToLab(contact, x, y);
   if (contact->surfaces.n) n = SurfacesNear(&contact->surfaces, y, r + half, which, point);
   for (PetscInt k = 0; k < n; k++) {
     const PetscReal core = contact->surfaces.surface[which[k]].core,
@@ -158,10 +155,9 @@ static void Carry(const Contact *contact, PetscInt which, PetscReal from, Bezier
   PetscReal y[3], z[3];
 
   for (int k = 0; k < 4; k++) {
-    for (int d = 0; d < 3; d++)
-      y[d] = contact->lab[d][0] * b[k][0] + contact->lab[d][1] * b[k][1] +
-             contact->lab[d][2] * b[k][2];
+    ContactToLab(contact, b[k], y);
     SurfacesCarry(&contact->surfaces, which, from, y, z);
+    for (int d = 0; d < 3; d++) z[d] -= contact->place[d];
     for (int d = 0; d < 3; d++)
       carried[k][d] =
           contact->lab[0][d] * z[0] + contact->lab[1][d] * z[1] + contact->lab[2][d] * z[2];
@@ -177,9 +173,7 @@ static PetscInt PartsOf(const Look *look, PetscReal since, Bezier b) {
                   fine = DeepOnTheWay(look, core + contact->diameter / 2) / rod_rule.passing_parts;
   PetscReal y[3], n;
 
-  for (int d = 0; d < 3; d++)
-    y[d] =
-        contact->lab[d][0] * b[0][0] + contact->lab[d][1] * b[0][1] + contact->lab[d][2] * b[0][2];
+  ContactToLab(contact, b[0], y);
   n = PetscCeilReal(PetscSqrtReal(SurfacesBow(surfaces, look->moving, since, y) / fine));
   return (PetscInt)PetscMax(1, PetscMin(rod_rule.passing_most, n));
 }

@@ -152,6 +152,8 @@ struct _Rod {
   const PetscReal *s; /* labels of its nodes, all of them */
   PetscInt rods;      /* of several that go together, how many, */
   Rod *each;          /* ... and these; of one, itself: see rod/ask.h */
+  const PetscInt
+      *at; /* where the nodes of each begin among all, and where they end; NULL: of one */
   Rod itself;
   DM da;                /* the unknowns: 1D DMDA over the nodes */
   DM nodes;             /* Node at each node, stencil 1 */

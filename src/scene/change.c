@@ -357,7 +357,7 @@ static const char *RefusesSense(Scene scene, PetscReal t) {
 static PetscErrorCode ChangeSense(Scene scene, const Asked *asked) {
   PetscFunctionBegin;
   PetscCall(TropismChange(&scene->tropism, asked->name, (const PetscReal(*)[3])scene->space.lab,
-                          scene->space.rod));
+                          scene->space.place, scene->space.rod));
   PetscFunctionReturn(0);
 }
 

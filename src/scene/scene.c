@@ -13,10 +13,10 @@ static const OptionRow rows[] = {
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
     ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run"),
-    ROW_TEXT("-change_file", INPUT_FILE,
+    ROW_TEXT("-change_file", INPUT_FILE | OF_SCENE,
              "text file of what changes in the run, one a line: the time, what, and its new value, "
              "as in 2.5 tip_force 0.2 (docs/live.md)")};
-const OptionGroup scene_options = OPTION_GROUP("Rod and clamp", rows);
+const OptionGroup scene_options = OPTION_GROUP_OF_ROD("Rod and clamp", rows);
 
 /* SceneShapeAngle - the initial angle against the clamp and its derivative by s, at one label. A
    natural curvature comes on top of the initial shape, so that the tip bears no moment. */
@@ -323,14 +323,16 @@ PetscErrorCode SceneCreate(Scene *scene) {
   SceneLinkWalls(self);
   PetscCall(
       SpaceSetFromOptions(&self->space, &self->load, &self->tip, &self->curvature, &self->shape));
-  if (self->tropism.any) TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab);
+  if (self->tropism.any)
+    TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab, self->space.place);
   if (self->tropism.why) self->space.why = self->tropism.why;
   PetscCall(CheckYield(self));
   PetscCall(CheckClamp(self));
   if (self->load.radius > 0 && self->clamp != CLAMP_FREE) LoadNextToExact(&self->load);
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)
     LoadNextToExactByWalls(&self->load);
-  ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle);
+  ContactSetFrame(&self->contact, (const PetscReal(*)[3])self->space.lab, self->clamp_angle,
+                  self->space.place);
   PetscCall(SceneForce(self, &self->contact.usual));
   PetscCall(SceneContactAt(self, 0));
   ContactStandOff(&self->contact, &self->stands_off);

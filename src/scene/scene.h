@@ -112,6 +112,13 @@ static inline void SceneToLab(const struct _Scene *scene, const PetscReal v[3], 
   lab[2] = 0;
 }
 
+/* A place of the clamp's frame in the laboratory. */
+static inline void ScenePlaceToLab(const struct _Scene *scene, const PetscReal x[3],
+                                   PetscReal lab[3]) {
+  SceneToLab(scene, x, lab);
+  for (int d = 0; d < 3; d++) lab[d] += scene->space.place[d];
+}
+
 /* The natural curvature at the label s and time t, and the rate at which it changes for the
    material there (may be NULL). */
 static inline PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k,

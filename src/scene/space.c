@@ -21,8 +21,11 @@ static const OptionRow rows[] = {
              "CSV or HDF5 file with t and spin, the rate at which the clamp turns about d1 over "
              "time, or t and turn, by how much it has turned, instead of -clamp_spin"),
     ROW_TEXT("-clamp_direction", 0,
-             "a,b,c: direction of d1 at the clamp in the laboratory, instead of -clamp_angle")};
-const OptionGroup space_options = OPTION_GROUP("Space", rows);
+             "a,b,c: direction of d1 at the clamp in the laboratory, instead of -clamp_angle"),
+    ROW_TEXT("-clamp_place", 0,
+             "x,y,z: where the clamp is in the laboratory, among walls, fields and lamps; 0 unless "
+             "given")};
+const OptionGroup space_options = OPTION_GROUP_OF_ROD("Space", rows);
 
 /* The smallest rotation that takes e1 to the direction d, of length 1; half a turn about e3 before
    it, to -e1, if d is all but that. */
@@ -129,6 +132,19 @@ static void DrivenByPath(Space *self, Path path) {
   self->turned[3] = PathRange(path, PATH_TURN) + turned;
 }
 
+/* Where it is. A path of the tip, and changes of its place, are told from the clamp. */
+static PetscErrorCode ClampPlace(Space *self, const Tip *tip) {
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(OptionVector("-clamp_place", UNIT_LENGTH, self->place, &given));
+  if (!given) PetscFunctionReturn(0);
+  UserCheck(!tip->path, OptionsComm(),
+            "-clamp_place: not with -tip_path, which is told from a clamp at 0; leave one out");
+  if (self->place[0] != 0 || self->place[1] != 0 || self->place[2] != 0) self->why = "-clamp_place";
+  PetscFunctionReturn(0);
+}
+
 /* How the clamp turns: at a rate, or over time. */
 static PetscErrorCode ClampTurns(Space *self) {
   char file[PETSC_MAX_PATH_LEN] = "";
@@ -162,6 +178,7 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   PetscCall(OptionReal("-friction_radius", &load->radius, &radius));
   PetscCall(OptionReal("-tip_torque", &tip->torque, NULL));
   PetscCall(ClampTurns(self));
+  PetscCall(ClampPlace(self, tip));
   if (weight[2] != 0) self->why = "-rod_weight";
   if (force[2] != 0) self->why = "-tip_force_vector";
   if (self->ratio != 1) self->why = "-rod_bend_ratio";
@@ -183,6 +200,8 @@ PetscErrorCode SpaceSetFromOptions(Space *self, Load *load, Tip *tip, const Curv
   LoadSetArm(load);
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(load->lab[d], self->lab[d], 3));
   for (int d = 0; d < 3; d++) PetscCall(PetscArraycpy(tip->resistance.lab[d], self->lab[d], 3));
+  PetscCall(PetscArraycpy(load->place, self->place, 3));
+  PetscCall(PetscArraycpy(tip->resistance.place, self->place, 3));
   PetscFunctionReturn(0);
 }
 

@@ -22,7 +22,8 @@ typedef struct {
   PetscReal
       turned[4]; /* angles that drive each group of fields (rod.h) from 0: along, x2, x3, twist */
   PetscReal moved[4];  /* places that do */
-  PetscReal lab[3][3]; /* from the clamp's frame to the laboratory */
+  PetscReal lab[3][3]; /* from the clamp's frame to the laboratory, */
+  PetscReal place[3];  /* where it is */
 } Space;
 
 extern const OptionGroup space_options;

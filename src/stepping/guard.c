@@ -73,54 +73,73 @@ static PetscErrorCode PassesItself(Rod rod, PetscReal t0, PetscReal t1, Vec U0, 
 /* Has the rod grazed a wall on its way: was it in one that it touches neither before nor now,
    deeper than a step may err? What lies between is what the step itself says (its dense output).
  */
-static PetscErrorCode Grazes(TS ts, Leg *leg, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
-                             PetscBool *grazes) {
-  Rod rod = leg->rod;
+static PetscErrorCode Grazes(TS ts, Leg *leg, PetscInt which, PetscReal t0, PetscReal t1, Vec U0,
+                             Vec U1, PetscBool *grazes) {
+  Rod rod = leg->rod->each[which];
   PetscReal depth, length;
   PetscBool done;
   Graze graze;
-  Vec U, U_t;
+  Vec U, U_t, part;
 
   PetscFunctionBegin;
   PetscCall(GrazeBegin(rod, t0, t1, U0, U1, &graze));
   if (graze.any) {
     PetscCall(RodLength(rod, t1, &length));
-    PetscCall(DMGetGlobalVector(rod->da, &U));
-    PetscCall(DMGetGlobalVector(rod->da, &U_t));
+    PetscCall(DMGetGlobalVector(leg->rod->da, &U));
+    PetscCall(DMGetGlobalVector(leg->rod->da, &U_t));
     for (int k = 1; k <= step_rule.states_between && !*grazes; k++) {
       const PetscReal t = t0 + k * (t1 - t0) / (step_rule.states_between + 1);
       PetscCall(VBDFInterpolate(ts, t, U, U_t, &done));
-      PetscCall(GrazeDepth(rod, t, U, &graze, &depth));
+      PetscCall(RodPartOpenRead(leg->rod, which, U, &part));
+      PetscCall(GrazeDepth(rod, t, part, &graze, &depth));
+      PetscCall(RodPartCloseRead(leg->rod, which, U, &part));
       *grazes = (PetscBool)(depth > leg->rtol * length);
     }
-    PetscCall(DMRestoreGlobalVector(rod->da, &U_t));
-    PetscCall(DMRestoreGlobalVector(rod->da, &U));
+    PetscCall(DMRestoreGlobalVector(leg->rod->da, &U_t));
+    PetscCall(DMRestoreGlobalVector(leg->rod->da, &U));
     PetscCall(RodContactAt(rod, t1));
   }
   PetscCall(GrazeEnd(&graze));
   PetscFunctionReturn(0);
 }
 
+/* Has one rod, which is in these states of its own? */
+static PetscErrorCode Passes(TS ts, Leg *leg, PetscInt which, PetscReal t0, PetscReal t1, Vec U0,
+                             Vec U1, PetscBool *passes) {
+  const Rod rod = leg->rod->each[which];
+
+  PetscFunctionBegin;
+  if (RodMeetsWalls(rod)) {
+    PetscCall(RodPassesWalls(rod, t0, t1, U0, U1, passes));
+    if (!*passes) PetscCall(Grazes(ts, leg, which, t0, t1, U0, U1, passes));
+  }
+  if (RodMeetsItself(rod) && !*passes) {
+    if (rod->model->space)
+      PetscCall(PassesItself(rod, t0, t1, U0, U1, passes));
+    else
+      PetscCall(CrossesItself(rod, t1, U1, passes));
+    PetscCallMPI(MPI_Bcast(passes, 1, MPIU_BOOL, 0, rod->comm));
+  }
+  PetscFunctionReturn(0);
+}
+
 /*
-  GuardPasses - a VBDFCheck: has the rod of a leg passed through itself or a wall between two
-  states, or grazed a wall? Collective; what is asked next depends on what all ranks know.
+  GuardPasses - a VBDFCheck: has a rod of a leg passed through itself or a wall between two states,
+  or grazed a wall? Collective; what is asked next depends on what all ranks know.
 */
 PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, PetscBool *passes) {
+  Vec part[2];
   Leg *leg;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   *passes = PETSC_FALSE;
-  if (RodMeetsWalls(leg->rod)) {
-    PetscCall(RodPassesWalls(leg->rod, t0, t1, U0, U1, passes));
-    if (!*passes) PetscCall(Grazes(ts, leg, t0, t1, U0, U1, passes));
-  }
-  if (RodMeetsItself(leg->rod) && !*passes) {
-    if (leg->rod->model->space)
-      PetscCall(PassesItself(leg->rod, t0, t1, U0, U1, passes));
-    else
-      PetscCall(CrossesItself(leg->rod, t1, U1, passes));
-    PetscCallMPI(MPI_Bcast(passes, 1, MPIU_BOOL, 0, leg->rod->comm));
+  for (PetscInt k = 0; k < leg->rod->rods && !*passes; k++) {
+    PetscCall(RodPartOpenRead(leg->rod, k, U0, &part[0]));
+    PetscCall(RodPartOpenRead(leg->rod, k, U1, &part[1]));
+    PetscCall(Passes(ts, leg, k, t0, t1, part[0], part[1], passes));
+    PetscCall(RodPartCloseRead(leg->rod, k, U1, &part[1]));
+    PetscCall(RodPartCloseRead(leg->rod, k, U0, &part[0]));
   }
   leg->passes = *passes;
   PetscFunctionReturn(0);

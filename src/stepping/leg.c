@@ -10,72 +10,97 @@
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
    step). */
-static PetscErrorCode SetTolerance(Leg *leg) {
-  const PetscInt fields = leg->rod->model->fields;
-  const PetscBool front = LearnedFront(leg->rod); /* angles tell of what is learned there */
+static PetscErrorCode SetToleranceOf(Leg *leg, PetscInt k) {
+  const Rod rod = leg->rod->each[k];
+  const PetscInt fields = rod->model->fields;
+  const PetscBool front = LearnedFront(rod); /* angles tell of what is learned there */
   PetscReal most[MAX_FIELDS];
+  PetscInt begin, end;
   PetscScalar *a;
-  PetscInt n;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < fields; f++) {
-    const PetscReal least = rod_rule.vanished * RodFieldUnit(leg->rod, f);
-    most[f] = leg->rod->model->followed[f] && !(front && f >= leg->rod->learned->mech)
+    const PetscReal least = rod_rule.vanished * RodFieldUnit(rod, f);
+    most[f] = rod->model->followed[f] && !(front && f >= rod->learned->mech)
                   ? step_rule.step_share *
                         PetscMax(leg->ease.times * leg->rtol *
-                                     PetscMax(leg->size[f],
-                                              step_rule.steering_floor * RodSteered(leg->rod, f)),
+                                     PetscMax(leg->of[k].size[f],
+                                              step_rule.steering_floor * RodSteered(rod, f)),
                                  least)
                   : -1;
   }
-  PetscCall(VecGetLocalSize(leg->tolerance, &n));
+  RodPartNodes(leg->rod, k, &begin, &end);
   PetscCall(VecGetArray(leg->tolerance, &a));
-  for (PetscInt i = 0; i < n; i += fields)
+  for (PetscInt i = begin * fields; i < end * fields; i += fields)
     for (PetscInt f = 0; f < fields; f++) a[i + f] = most[f];
   PetscCall(VecRestoreArray(leg->tolerance, &a));
   if (!leg->held) PetscFunctionReturn(0);
   PetscCall(VecGetArray(leg->held, &a));
-  for (PetscInt i = 0; i < n; i += fields)
-    for (PetscInt f = 0; f < fields; f++) a[i + f] = RodIsPlace(leg->rod->model, f) ? most[f] : -1;
+  for (PetscInt i = begin * fields; i < end * fields; i += fields)
+    for (PetscInt f = 0; f < fields; f++) a[i + f] = RodIsPlace(rod->model, f) ? most[f] : -1;
   PetscCall(VecRestoreArray(leg->held, &a));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode SetTolerance(Leg *leg) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < leg->rod->rods; k++) PetscCall(SetToleranceOf(leg, k));
+  PetscFunctionReturn(0);
+}
+
+/* The sizes of one rod's fields as a step begins, and what places are no larger than round-off of
+   walls. */
+static PetscErrorCode SizesNow(Leg *leg, PetscInt k, PetscReal t, PetscReal least[MIRRORS]) {
+  const Rod rod = leg->rod->each[k];
+  LegMeasure *of = &leg->of[k];
+  PetscReal blurred[MIRRORS];
+  Vec U;
+
+  PetscFunctionBegin;
+  PetscCall(RodPartOpenRead(leg->rod, k, leg->U, &U));
+  PetscCall(RodFeelWalls(rod, t, U));
+  PetscCall(RodFieldScales(rod, U, leg->turns ? of->axes : NULL, of->size));
+  PetscCall(RodBlurred(rod, U, blurred));
+  PetscCall(RodPartCloseRead(leg->rod, k, leg->U, &U));
+  for (int d = 0; d < MIRRORS; d++) least[d] = PetscMax(least[d], blurred[d]);
+  for (PetscInt f = 0; f < rod->model->fields; f++) {
+    if (t >= of->kick_ends) of->kick[f] = 0;
+    of->size[f] = PetscMax(of->size[f], of->kick[f]);
+  }
   PetscFunctionReturn(0);
 }
 
 /* A step begins: sizes are those that the fields have now, or that a kick will give them. */
 static PetscErrorCode BeforeStep(TS ts) {
-  PetscReal t, least[MIRRORS];
+  PetscReal t, least[MIRRORS] = {0};
   Leg *leg;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(TSGetTime(ts, &t));
-  PetscCall(RodFeelWalls(leg->rod, t, leg->U));
-  PetscCall(RodFieldScales(leg->rod, leg->U, leg->turns ? leg->axes : NULL, leg->size));
-  PetscCall(RodBlurred(leg->rod, leg->U, least));
+  for (PetscInt k = 0; k < leg->rod->rods; k++) PetscCall(SizesNow(leg, k, t, least));
   for (int d = 0; d < MIRRORS; d++)
     least[d] = PetscMax(least[d], rod_rule.vanished * RodUnits(leg->rod)->length);
   PetscCall(VBDFSetLeast(ts, least));
-  for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
-    if (t >= leg->kick_ends) leg->kick[f] = 0;
-    leg->size[f] = PetscMax(leg->size[f], leg->kick[f]);
-  }
   PetscCall(SetTolerance(leg));
   PetscCall(
       TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->ease.times * leg->rtol, leg->none));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode LookForKick(Leg *leg, PetscReal end, const PetscReal size[]) {
+static PetscErrorCode LookForKick(Leg *leg, PetscReal end, PetscInt k) {
+  LegMeasure *of = &leg->of[k];
   PetscBool kick = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
-    if (!leg->rod->model->followed[f] || step_rule.wall_onset * size[f] <= leg->size[f]) continue;
-    leg->kick[f] = leg->size[f] = step_rule.wall_onset * size[f];
-    leg->kick_ends = PetscMax(end, leg->kick_ends);
+    if (!leg->rod->model->followed[f] || step_rule.wall_onset * of->tried[f] <= of->size[f])
+      continue;
+    of->kick[f] = of->size[f] = step_rule.wall_onset * of->tried[f];
+    of->kick_ends = PetscMax(end, of->kick_ends);
     kick = PETSC_TRUE;
   }
-  if (kick) PetscCall(SetTolerance(leg));
+  if (kick) PetscCall(SetToleranceOf(leg, k));
   PetscFunctionReturn(0);
 }
 
@@ -112,32 +137,65 @@ static PetscErrorCode FirmFromTheStart(TS ts, Rod rod) {
   PetscFunctionReturn(0);
 }
 
+/* Has any rod that minds it turned too far? */
+static PetscErrorCode TurnedTooFar(Leg *leg, Vec U0, Vec U1, PetscBool *turned) {
+  const Rod all = leg->rod;
+  Vec part[2];
+
+  PetscFunctionBegin;
+  *turned = PETSC_FALSE;
+  for (PetscInt k = 0; k < all->rods && !*turned; k++) {
+    if (!MindsTurns(all->each[k])) continue;
+    PetscCall(RodPartOpenRead(all, k, U0, &part[0]));
+    PetscCall(RodPartOpenRead(all, k, U1, &part[1]));
+    PetscCall(all->each[k]->model->turned(all->each[k], part[0], part[1], turned));
+    PetscCall(RodPartCloseRead(all, k, U1, &part[1]));
+    PetscCall(RodPartCloseRead(all, k, U0, &part[0]));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* How large one rod's fields are, along its axes, where a step has led; does it reach farther than
+   it is long? */
+static PetscErrorCode Reaches(Leg *leg, PetscInt k, PetscReal t, Vec U, PetscBool *too_far) {
+  const Rod rod = leg->rod->each[k];
+  LegMeasure *of = &leg->of[k];
+  PetscReal length;
+  Vec part;
+
+  PetscFunctionBegin;
+  PetscCall(RodPartOpenRead(leg->rod, k, U, &part));
+  PetscCall(RodSizesAlong(rod, part, of->axes, of->tried));
+  PetscCall(RodPartCloseRead(leg->rod, k, U, &part));
+  PetscCall(RodLength(rod, t, &length));
+  *too_far = (PetscBool) !(RodEndsOf(rod).begins_free ||
+                           RodReach(rod->model, of->tried) <= step_rule.reach_slack * length);
+  PetscFunctionReturn(0);
+}
+
 /* A VBDFCheck of a rod that can touch: it has passed through what it cannot, or reaches farther
    than it is long, which Newton's method calls a solution where forces are without measure, or is
    so deep in a wall that this is to be firmer; and was it kicked? */
 static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                PetscBool *impossible) {
-  PetscReal size[MAX_FIELDS], length;
   PetscInt step;
   Leg *leg;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
-  PetscCall(RodSizesAlong(leg->rod, U1, leg->axes, size));
-  PetscCall(RodLength(leg->rod, t1, &length));
-  *impossible = (PetscBool) !(RodEndsOf(leg->rod).begins_free ||
-                              RodReach(leg->rod->model, size) <= step_rule.reach_slack * length);
+  *impossible = PETSC_FALSE;
+  for (PetscInt k = 0; k < leg->rod->rods && !*impossible; k++)
+    PetscCall(Reaches(leg, k, t1, U1, impossible));
   PetscCall(TSGetStepNumber(ts, &step));
   leg->passed = (PetscBool)(leg->passed && step == leg->tried);
   leg->tried = step;
   leg->passes = PETSC_FALSE;
-  if (!*impossible && MindsTurns(leg->rod))
-    PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
+  if (!*impossible) PetscCall(TurnedTooFar(leg, U0, U1, impossible));
   if (!*impossible) PetscCall(RodGetsFirm(leg->rod, impossible));
   if (*impossible) PetscFunctionReturn(0);
   PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));
   leg->passed = (PetscBool)(leg->passed || leg->passes);
-  PetscCall(LookForKick(leg, t1, size));
+  for (PetscInt k = 0; k < leg->rod->rods; k++) PetscCall(LookForKick(leg, t1, k));
   PetscFunctionReturn(0);
 }
 
@@ -150,17 +208,22 @@ static PetscErrorCode AfterTurn(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U
   (void)t0;
   (void)t1;
   PetscCall(TSGetApplicationContext(ts, &leg));
-  PetscCall(leg->rod->model->turned(leg->rod, U0, U1, impossible));
+  PetscCall(TurnedTooFar(leg, U0, U1, impossible));
   PetscFunctionReturn(0);
 }
 
 /* A VBDFMeasure: an error is measured along the axes that the step's sizes are of. */
 static PetscErrorCode TurnError(TS ts, Vec error) {
+  Vec part;
   Leg *leg;
 
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
-  PetscCall(RodTurn(leg->rod, leg->axes, error));
+  for (PetscInt k = 0; k < leg->rod->rods; k++) {
+    PetscCall(RodPartOpen(leg->rod, k, error, &part));
+    PetscCall(RodTurn(leg->rod->each[k], leg->of[k].axes, part));
+    PetscCall(RodPartClose(leg->rod, k, error, &part));
+  }
   PetscFunctionReturn(0);
 }
 
@@ -192,8 +255,7 @@ static PetscErrorCode CarryAlong(TS ts) {
 /* Errors of fields across are measured along axes of their own, if the stepper can. */
 static PetscErrorCode MeasureAlongAxes(Leg *leg) {
   PetscFunctionBegin;
-  leg->axes[0] = 1;
-  leg->axes[1] = 0;
+  for (PetscInt k = 0; k < leg->rod->rods; k++) leg->of[k].axes[0] = 1;
   PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &leg->turns));
   if (!leg->rod->model->pairs) leg->turns = PETSC_FALSE;
   if (leg->turns) PetscCall(VBDFSetMeasure(leg->ts, TurnError));
@@ -241,18 +303,53 @@ static PetscErrorCode IsPlane(const Rod rod, Vec U, PetscBool *plane) {
   PetscFunctionReturn(0);
 }
 
-/* Do modes of a rod at the latest Jacobian's state grow faster than its shift? known: can they be
-   counted? */
-static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBool *known) {
+/* Do modes of one rod, which can be counted, grow faster than the shift? U is its own. */
+static PetscErrorCode RodCrosses(Leg *leg, PetscInt k, Vec U, PetscBool *crosses,
+                                 PetscBool *known) {
+  const Rod rod = leg->rod->each[k];
   PetscInt index;
 
   PetscFunctionBegin;
   *crosses = PETSC_FALSE;
-  PetscCall(IsPlane(leg->rod, U, &leg->newton.plane));
-  PetscCall(NewtonIndex(&leg->newton, &index, known));
+  PetscCall(IsPlane(rod, U, &leg->newton.plane));
+  PetscCall(NewtonIndex(&leg->newton, k, &index, known));
   if (!*known || (index <= 0 && index % 2 == 0)) PetscFunctionReturn(0);
-  PetscCall(IsBent(leg->rod, U, crosses));
+  PetscCall(IsBent(rod, U, crosses));
   if (*crosses) PetscCall(PetscInfo(leg->ts, "crosses modes that grow: index %d\n", (int)index));
+  PetscFunctionReturn(0);
+}
+
+/* Do modes of any rod at the latest Jacobian's state grow faster than its shift? known: can those
+   of all be counted? */
+static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBool *known) {
+  PetscBool one = PETSC_FALSE, seen = PETSC_TRUE;
+  Vec part;
+
+  PetscFunctionBegin;
+  *crosses = PETSC_FALSE;
+  PetscCall(NewtonCounts(&leg->newton, known));
+  if (!*known) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < leg->rod->rods; k++) {
+    PetscCall(RodPartOpenRead(leg->rod, k, U, &part));
+    PetscCall(RodCrosses(leg, k, part, &one, &seen));
+    PetscCall(RodPartCloseRead(leg->rod, k, U, &part));
+    if (one) *crosses = PETSC_TRUE;
+    if (!seen) *known = PETSC_FALSE;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Is anything across any rod? */
+static PetscErrorCode AnyIsBent(const Rod all, Vec U, PetscBool *any) {
+  Vec part;
+
+  PetscFunctionBegin;
+  *any = PETSC_FALSE;
+  for (PetscInt k = 0; k < all->rods && !*any; k++) {
+    PetscCall(RodPartOpenRead(all, k, U, &part));
+    PetscCall(IsBent(all->each[k], part, any));
+    PetscCall(RodPartCloseRead(all, k, U, &part));
+  }
   PetscFunctionReturn(0);
 }
 
@@ -302,7 +399,7 @@ static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *cros
   if (sight == VBDF_SEEN && !RodHasModes(leg->rod)) PetscFunctionReturn(0);
   PetscCall(ModesCrossed(leg, U, crosses, &known));
   PetscCall(CrossesSlippery(leg, U, crosses));
-  if (!known && sight == VBDF_JUMP) PetscCall(IsBent(leg->rod, U, crosses));
+  if (!known && sight == VBDF_JUMP) PetscCall(AnyIsBent(leg->rod, U, crosses));
   leg->crosses = *crosses;
   PetscFunctionReturn(0);
 }
@@ -358,19 +455,20 @@ PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leav
   PetscFunctionReturn(0);
 }
 
-/* What held places at rest before a snap holds them no more: the shifts of exact Coulomb friction
-   (Newton's method remembers them) begin anew. */
-static PetscErrorCode LetGo(Rod rod) {
-  Vec none;
-  DM da;
+/* LegSpeed() of one rod. */
+static PetscErrorCode SpeedOf(Rod rod, Vec U_t, PetscReal *speed, PetscBool *begins) {
+  const PetscReal before = RodFalls(rod);
+  PetscReal rate[MAX_FIELDS], fastest;
+  PetscBool falls;
 
   PetscFunctionBegin;
-  if (!rod->memory || !RodSticks(rod)) PetscFunctionReturn(0);
-  PetscCall(RodCreateMemory(rod, &da, &none));
-  PetscCall(VecSet(none, 0));
-  PetscCall(RodRecall(rod, none));
-  PetscCall(VecDestroy(&none));
-  PetscCall(DMDestroy(&da));
+  PetscCall(RodFieldSizes(rod, U_t, rate));
+  fastest = RodReach(rod->model, rate);
+  *speed = fastest / RodUnits(rod)->speed;
+  falls = (PetscBool)(RodIsDry(rod) &&
+                      *speed > (before > 0 ? step_rule.snapped_at : step_rule.snaps_at));
+  *begins = (PetscBool)(falls && before == 0);
+  if (falls || before > 0) RodAtSpeed(rod, falls ? fastest : 0);
   PetscFunctionReturn(0);
 }
 
@@ -381,26 +479,25 @@ static PetscErrorCode LetGo(Rod rod) {
   begins  a snap, with this step
 */
 PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins) {
-  const Rod rod = leg->rod;
-  const PetscReal before = RodFalls(rod);
-  PetscReal rate[MAX_FIELDS], fastest;
-  PetscBool falls;
+  PetscBool snaps = PETSC_FALSE;
+  PetscReal one = 0;
+  Vec U_t;
 
   PetscFunctionBegin;
-  PetscCall(RodFieldSizes(rod, leg->newton.latest.U_t, rate));
-  fastest = RodReach(rod->model, rate);
-  *speed = fastest / RodUnits(rod)->speed;
-  falls = (PetscBool)(RodIsDry(rod) &&
-                      *speed > (before > 0 ? step_rule.snapped_at : step_rule.snaps_at));
-  *begins = (PetscBool)(falls && before == 0);
-  if (*begins) PetscCall(LetGo(rod));
-  if (falls || before > 0) RodAtSpeed(rod, falls ? fastest : 0);
+  *speed = 0;
+  *begins = PETSC_FALSE;
+  for (PetscInt k = 0; k < leg->rod->rods; k++) {
+    PetscCall(RodPartOpenRead(leg->rod, k, leg->newton.latest.U_t, &U_t));
+    PetscCall(SpeedOf(leg->rod->each[k], U_t, &one, &snaps));
+    PetscCall(RodPartCloseRead(leg->rod, k, leg->newton.latest.U_t, &U_t));
+    *speed = PetscMax(*speed, one);
+    if (snaps) *begins = PETSC_TRUE;
+  }
   PetscFunctionReturn(0);
 }
 
 /* The first step has one point to start from: let the rod grow without friction. */
-static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
-  Rod rod = (Rod)ctx;
+static PetscErrorCode GuessOf(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1) {
   Node *nodes;
 
   PetscFunctionBegin;
@@ -409,6 +506,22 @@ static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec 
   PetscCall(RodGrowNodes(rod, t0, t1, nodes));
   PetscCall(rod->model->set(rod, t1, nodes, U1));
   PetscCall(PetscFree(nodes));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode FirstGuess(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, void *ctx) {
+  const Rod all = (Rod)ctx;
+  Vec from, to;
+
+  PetscFunctionBegin;
+  (void)ts;
+  for (PetscInt k = 0; k < all->rods; k++) {
+    PetscCall(RodPartOpenRead(all, k, U0, &from));
+    PetscCall(RodPartOpen(all, k, U1, &to));
+    PetscCall(GuessOf(all->each[k], t0, t1, from, to));
+    PetscCall(RodPartClose(all, k, U1, &to));
+    PetscCall(RodPartCloseRead(all, k, U0, &from));
+  }
   PetscFunctionReturn(0);
 }
 
@@ -525,15 +638,25 @@ static PetscErrorCode FreeTurns(Leg *leg) {
   The caller sets what is done after a step, and the end if it is not the scene's.
 */
 PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg *leg) {
-  PetscBool fixed, given, full, touches;
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(leg, sizeof(*leg)));
+  PetscCall(RodCreate(scene, model, &leg->rod));
+  PetscCall(RodFindUnits(leg->rod));
+  PetscCall(LegCreateOf(leg->rod, rtol, leg));
+  PetscFunctionReturn(0);
+}
+
+/* LegCreateOf - as LegCreate(), of a rod, or several, with units; it is the leg's from now on. */
+PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg) {
+  const PetscBool touches = RodTouches(rod);
+  PetscBool fixed, given, full;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
+  leg->rod = rod;
   leg->rtol = rtol;
   leg->ease.most = leg->ease.wants = leg->ease.times = 1;
-  PetscCall(RodCreate(scene, model, &leg->rod));
-  PetscCall(RodFindUnits(leg->rod));
-  touches = RodTouches(leg->rod);
+  PetscCall(PetscCalloc1(rod->rods, &leg->of));
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
@@ -581,6 +704,92 @@ PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg
   else if (MindsTurns(leg->rod))
     PetscCall(VBDFSetCheck(leg->ts, AfterTurn));
   PetscCall(TSSetSolution(leg->ts, leg->U));
+  PetscFunctionReturn(0);
+}
+
+/*
+  LegWithin - the state and its rate at a time within the latest step. Collective.
+
+  known  by the stepper's dense output: PETSc's have none of rates
+*/
+PetscErrorCode LegWithin(Leg *leg, PetscReal t, Vec U, Vec U_t, PetscBool *known) {
+  Vec all[2], mine[2] = {U, U_t};
+  const PetscScalar *from;
+  PetscScalar *to;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  if (!leg->whole) {
+    PetscCall(VBDFInterpolate(leg->ts, t, U, U_t, known));
+    PetscFunctionReturn(0);
+  }
+  for (int i = 0; i < 2; i++) PetscCall(DMGetGlobalVector(leg->whole->rod->da, &all[i]));
+  PetscCall(VBDFInterpolate(leg->ts, t, all[0], all[1], known));
+  PetscCall(VecGetLocalSize(U, &n));
+  for (int i = 0; i < 2 && *known; i++) {
+    PetscCall(VecGetArrayRead(all[i], &from));
+    PetscCall(VecGetArray(mine[i], &to));
+    PetscCall(PetscArraycpy(to, from + leg->from, n));
+    PetscCall(VecRestoreArray(mine[i], &to));
+    PetscCall(VecRestoreArrayRead(all[i], &from));
+  }
+  for (int i = 1; i >= 0; i--) PetscCall(DMRestoreGlobalVector(leg->whole->rod->da, &all[i]));
+  PetscFunctionReturn(0);
+}
+
+/* ---- the leg of one rod of several: what looks at a leg looks at it through this ---- */
+
+/* Its part of a vector of all. */
+static PetscErrorCode Follow(const Leg *self, Vec all, Vec part) {
+  const PetscScalar *a;
+
+  PetscFunctionBegin;
+  PetscCall(VecResetArray(part));
+  PetscCall(VecGetArrayRead(all, &a));
+  PetscCall(VecPlaceArray(part, a + self->from));
+  PetscCall(VecRestoreArrayRead(all, &a));
+  PetscFunctionReturn(0);
+}
+
+/* LegPart - the leg of rod k, which steps as that of all does; the caller ends it with LegPartEnd()
+   before that. Its state is there after LegPartFollow(). */
+PetscErrorCode LegPart(Leg *whole, PetscInt k, Leg *leg) {
+  const Rod all = whole->rod;
+  const PetscInt fields = all->model->fields, n = (all->at[k + 1] - all->at[k]) * fields;
+
+  PetscFunctionBegin;
+  *leg = *whole;
+  leg->whole = whole;
+  leg->rod = all->each[k];
+  leg->of = &whole->of[k];
+  leg->from = all->at[k] * fields;
+  leg->held = leg->tolerance = leg->none = NULL;
+  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, fields, n, NULL, &leg->U));
+  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, fields, n, NULL, &leg->newton.latest.U_t));
+  leg->newton.latest.U = leg->U;
+  PetscFunctionReturn(0);
+}
+
+/* LegPartFollow - its state is that which the leg of all has come to. */
+PetscErrorCode LegPartFollow(Leg *leg) {
+  const RodState *latest = &leg->whole->newton.latest;
+
+  PetscFunctionBegin;
+  PetscCall(Follow(leg, leg->whole->U, leg->U));
+  if (latest->U_t) PetscCall(Follow(leg, latest->U_t, leg->newton.latest.U_t));
+  leg->newton.latest.t = latest->t;
+  leg->crosses = leg->whole->crosses;
+  leg->passes = leg->whole->passes;
+  leg->passed = leg->whole->passed;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode LegPartEnd(Leg *leg) {
+  PetscFunctionBegin;
+  if (!leg->whole) PetscFunctionReturn(0);
+  PetscCall(VecDestroy(&leg->U));
+  PetscCall(VecDestroy(&leg->newton.latest.U_t));
+  *leg = (Leg){.rod = NULL};
   PetscFunctionReturn(0);
 }
 
@@ -647,6 +856,7 @@ PetscErrorCode LegDestroy(Leg *leg) {
   PetscCall(VecDestroy(&leg->tolerance));
   PetscCall(VecDestroy(&leg->held));
   PetscCall(VecDestroy(&leg->none));
+  PetscCall(PetscFree(leg->of));
   PetscCall(RodDestroy(&leg->rod));
   PetscFunctionReturn(0);
 }

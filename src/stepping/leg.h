@@ -12,33 +12,46 @@ typedef struct {
   PetscReal others; /* by how much contact puts the rod off */
 } Ease;
 
+/* What errors of one of its rods are measured against. */
 typedef struct {
+  PetscReal size[MAX_FIELDS];  /* of the fields, to which the tolerance of this step refers */
+  PetscReal tried[MAX_FIELDS]; /* where its latest try has led */
+  PetscReal axes[2];           /* along which those of this step are (rod/sizes.c) */
+  PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
+} LegMeasure;
+
+typedef struct Leg {
   Rod rod;
-  TS ts; /* its application context is the leg */
+  TS ts; /* its application context is the leg; of a part that of all */
   Newton newton;
   Vec U;               /* the state */
   Vec held;            /* tolerance, without turns; NULL: VBDFSetHeld() is not told */
   Vec tolerance, none; /* none: 0, the part of the tolerance relative to each entry */
   PetscReal rtol;
   Ease ease;
-  PetscReal size[MAX_FIELDS]; /* of the fields, to which the tolerance of this step refers */
-  PetscBool turns;            /* along axes that follow the rod (rod/sizes.c) */
-  PetscReal axes[2];          /* those of this step */
-  PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
-  PetscInt jumps;                        /* so far, VBDFGetJumps(); kept by the owner */
+  LegMeasure *of;    /* of each rod */
+  PetscBool turns;   /* axes follow the rod */
+  PetscInt jumps;    /* so far, VBDFGetJumps(); kept by the owner */
   PetscBool passes;  /* the latest try of a step ended beyond a wall, or with the rod crossed */
   PetscBool passed;  /* ... or an earlier one of the same step, */
   PetscInt tried;    /* this one */
   PetscBool crosses; /* it was cut, or not taken, for a mode that grows faster than the step sees */
   void *owner;
+  struct Leg *whole; /* of the leg of one rod of several: that of all; NULL: it is whole */
+  PetscInt from;     /* its first real among those of all */
 } Leg;
 
 PetscErrorCode LegCreate(Scene scene, const RodModel *model, PetscReal rtol, Leg *leg);
+PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg);
 PetscErrorCode LegEndAtTurns(Leg *leg);
 PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins);
 PetscErrorCode LegDestroy(Leg *leg);
 PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses);
 PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leaves);
+PetscErrorCode LegWithin(Leg *leg, PetscReal t, Vec U, Vec U_t, PetscBool *known);
+PetscErrorCode LegPart(Leg *whole, PetscInt k, Leg *leg);
+PetscErrorCode LegPartFollow(Leg *leg);
+PetscErrorCode LegPartEnd(Leg *leg);
 PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h, Vec U, Vec U_t);
 
 #endif

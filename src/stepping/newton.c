@@ -7,9 +7,10 @@
 #include "rod/rules.h"
 #include "stepping/rules.h"
 
-/* The largest residual of each group of fields (rod.h), in the scene's units, along the axes of the
-   state: they do not see each other on the straight rod, and one may be 1e-16 times another. */
-static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS]) {
+/* The largest residual of each group of fields (rod.h) of one rod, in its scene's units, along the
+   axes of the state: they do not see each other on the straight rod, and one may be 1e-16 times
+   another. */
+static PetscErrorCode AddResiduals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS]) {
   PetscReal size[MAX_FIELDS], axes[2] = {1, 0};
 
   PetscFunctionBegin;
@@ -18,10 +19,25 @@ static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS
     PetscCall(RodAxes(rod, U, size, axes));
   }
   PetscCall(RodSizesAlong(rod, F, axes, size));
-  for (int g = 0; g < GROUPS; g++) residual[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     residual[rod->model->group[f]] =
         PetscMax(residual[rod->model->group[f]], size[f] / RodFieldUnit(rod, f));
+  PetscFunctionReturn(0);
+}
+
+/* ... of all of them. */
+static PetscErrorCode Residuals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS]) {
+  Vec part[2];
+
+  PetscFunctionBegin;
+  for (int g = 0; g < GROUPS; g++) residual[g] = 0;
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    PetscCall(RodPartOpenRead(rod, k, U, &part[0]));
+    PetscCall(RodPartOpenRead(rod, k, F, &part[1]));
+    PetscCall(AddResiduals(rod->each[k], part[0], part[1], residual));
+    PetscCall(RodPartCloseRead(rod, k, F, &part[1]));
+    PetscCall(RodPartCloseRead(rod, k, U, &part[0]));
+  }
   PetscFunctionReturn(0);
 }
 
@@ -38,19 +54,17 @@ static void LeaveRoundOff(const Rod rod, PetscReal size[MAX_FIELDS]) {
                          step_rule.force_round_off * RodFieldUnit(rod, f) * bent[model->group[f]]);
 }
 
-/* The largest update of each group's fields, relative to the field's scale; those not followed
-   count by weight; and that of any field followed. A field that is 0 throughout (the straight rod's
-   x2) has converged when its update is 0. */
-static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
-                                      PetscReal update[GROUPS], PetscReal *followed) {
+/* The largest update of each group's fields of one rod, relative to the field's scale; those not
+   followed count by weight; and that of any field followed. A field that is 0 throughout (the
+   straight rod's x2) has converged when its update is 0. */
+static PetscErrorCode AddUpdates(Rod rod, Vec U, Vec dU, PetscReal weight, PetscReal update[GROUPS],
+                                 PetscReal *followed) {
   PetscReal size[MAX_FIELDS], change[MAX_FIELDS], axes[2];
 
   PetscFunctionBegin;
   PetscCall(RodFieldScales(rod, U, axes, size));
   LeaveRoundOff(rod, size);
   PetscCall(RodSizesAlong(rod, dU, axes, change));
-  *followed = 0;
-  for (int g = 0; g < GROUPS; g++) update[g] = 0;
   for (PetscInt f = 0; f < rod->model->fields; f++)
     if (change[f] != 0) {
       PetscReal r = change[f] / PetscMax(size[f], rod_rule.vanished),
@@ -64,31 +78,29 @@ static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
   PetscFunctionReturn(0);
 }
 
+/* ... of all of them. */
+static PetscErrorCode RelativeUpdates(Rod rod, Vec U, Vec dU, PetscReal weight,
+                                      PetscReal update[GROUPS], PetscReal *followed) {
+  Vec part[2];
+
+  PetscFunctionBegin;
+  *followed = 0;
+  for (int g = 0; g < GROUPS; g++) update[g] = 0;
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    PetscCall(RodPartOpenRead(rod, k, U, &part[0]));
+    PetscCall(RodPartOpenRead(rod, k, dU, &part[1]));
+    PetscCall(AddUpdates(rod->each[k], part[0], part[1], weight, update, followed));
+    PetscCall(RodPartCloseRead(rod, k, dU, &part[1]));
+    PetscCall(RodPartCloseRead(rod, k, U, &part[0]));
+  }
+  PetscFunctionReturn(0);
+}
+
 static PetscReal Largest(const PetscReal residual[GROUPS]) {
   PetscReal largest = 0;
 
   for (int g = 0; g < GROUPS; g++) largest = PetscMax(largest, residual[g]);
   return largest;
-}
-
-/*
-  MindsForces - must a step of a rod that can touch not be accepted without its forces? One that is
-  so long that a place which moves in it by no more than what is not seen does not snap; and one
-  whose residual is larger than that of its guess: nothing has been found in it. At the brink of a
-  snap velocities double in each iteration from next to nothing on, and one that has run wild falls
-  back to there: after some iterations such a rod was taken for one at rest, without balance, or
-  crept on in steps of such noise. (In shorter steps speeds are noise whatever is done, and starts
-  that are far out of balance, as their guesses are, fall in some in which no force can be told.)
-*/
-static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
-                                  const PetscReal residual[GROUPS], PetscBool *minds) {
-  PetscReal step;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetTimeStep(self->ts, &step));
-  *minds = (PetscBool)(RodTouches(self->rod) &&
-                       (unseen < step_rule.fast * step || Largest(residual) > self->guess));
-  PetscFunctionReturn(0);
 }
 
 /* What an update of forces counts, relative to their size, beside those of the fields followed. */
@@ -99,7 +111,7 @@ static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
 
 /*
   Hopeless - will the iteration of a rod that can touch not arrive? Most that fail went on to the
-  last of them: full steps run wild, to residuals of 1e10; those that are cut creep along in ever
+  last of them: full steps diverge, to residuals of 1e10; those that are cut stall in ever
   shorter ones. The former are given up where the residual has been so many times that of the guess,
   so many times in a row (one that finds its way from far out of balance comes back from there), but
   not before the EARLIEST (the first are, of a rod that leaves a stiff wall), the latter where it
@@ -110,11 +122,13 @@ static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBo
                   halves = (PetscBool)(residual <= step_rule.stalls * self->halved);
 
   if (begins || halves) self->halved = residual;
-  self->creeps = begins || halves ? 0 : self->creeps + 1;
-  self->wild = !begins && residual > step_rule.diverges * self->guess ? self->wild + 1 : 0;
-  return (PetscBool)(RodTouches(self->rod) && (cut ? self->creeps >= step_rule.stalls_iterations
-                                                   : it >= step_rule.diverges_earliest &&
-                                                         self->wild >= step_rule.diverges_times));
+  self->stalled = begins || halves ? 0 : self->stalled + 1;
+  self->diverging =
+      !begins && residual > step_rule.diverges * self->guess ? self->diverging + 1 : 0;
+  return (PetscBool)(RodTouches(self->rod) &&
+                     (cut ? self->stalled >= step_rule.stalls_iterations
+                          : it >= step_rule.diverges_earliest &&
+                                self->diverging >= step_rule.diverges_times));
 }
 
 /* The speed at which a place that is held must creep to be seen in this step: to go as far as the
@@ -168,9 +182,14 @@ static PetscErrorCode SetSearch(SNES snes, SNESLineSearchType type) {
 static PetscErrorCode KeepForces(Newton *self, Vec F) {
   Rod rod = self->rod;
   RodForces sum;
+  Vec part;
 
   PetscFunctionBegin;
-  PetscCall(RodKeepLeft(rod, self->latest.t, F));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    PetscCall(RodPartOpenRead(rod, k, F, &part));
+    PetscCall(RodKeepLeft(rod->each[k], self->latest.t, part));
+    PetscCall(RodPartCloseRead(rod, k, F, &part));
+  }
   if (rod->order == 4 || !rod->model->bears) PetscFunctionReturn(0);
   PetscCall(rod->model->bears(rod, &self->latest, &sum));
   RodKeepBorne(rod, &sum);
@@ -196,7 +215,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   Vec U, dU, F;
   SNESLineSearch search;
   PetscReal followed = 0, part = 1, whole = 1;
-  PetscBool minds = PETSC_FALSE, hopeless;
+  PetscBool hopeless;
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -210,8 +229,10 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   } else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
     PetscCall(RelativeUpdates(self->rod, U, dU, WeightOfForces(self, floor), update, &followed));
-    PetscCall(MindsForces(self, floor, residual, &minds));
-    self->waits = minds && followed > floor ? 0 : self->waits + 1;
+    /* of a rod that can touch no step is accepted without its forces, while it moves: one at the
+       brink of a snap, whose speeds double from next to nothing on, would be taken for one at rest
+     */
+    self->waits = RodTouches(self->rod) && followed > floor ? 0 : self->waits + 1;
     for (int g = 0; g < GROUPS; g++) {
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);
@@ -283,8 +304,11 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
 
 /* What is below round-off of the whole of a vector is not asked for either (rod/sizes.c). */
 static void SetTolerance(Newton *newton, PetscReal tolerance) {
+  const Rod rod = newton->rod;
+
   newton->tolerance = tolerance;
-  newton->rod->finest = step_rule.update_round_off / tolerance;
+  for (PetscInt k = 0; k < rod->rods; k++)
+    rod->each[k]->finest = step_rule.update_round_off / tolerance;
 }
 
 /*
@@ -388,6 +412,22 @@ static PetscErrorCode SolverOf(TS ts, KSP *ksp, PC *pc) {
   PetscFunctionReturn(0);
 }
 
+/* What eliminates the equations of one rod, or of several that do not see each other. */
+static PetscErrorCode CreateElimination(Rod rod, Elimination *elimination) {
+  PetscInt *nodes;
+
+  PetscFunctionBegin;
+  if (!rod->at) {
+    PetscCall(EliminationCreate(rod->comm, rod->end - rod->first, rod->model->halves, elimination));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(PetscMalloc1(rod->rods, &nodes));
+  for (PetscInt k = 0; k < rod->rods; k++) nodes[k] = rod->at[k + 1] - rod->at[k];
+  PetscCall(EliminationCreateSeveral(rod->rods, nodes, rod->model->halves, elimination));
+  PetscCall(PetscFree(nodes));
+  PetscFunctionReturn(0);
+}
+
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
    feels the spin of a rod modes are counted in another one (rod/space_cells.h), and so they are
    where a tip is held at rest, whose last cell else had no friction at one end alone. */
@@ -398,7 +438,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(EliminationCreate(rod->comm, nodes, rod->model->halves, &newton->elimination));
+  PetscCall(CreateElimination(rod, &newton->elimination));
   PetscCall(MatCreateShell(rod->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(SolverOf(ts, &ksp, &pc));
@@ -407,7 +447,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   else
     PetscCall(EliminationSetType(pc, newton->elimination));
   if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests)
-    PetscCall(EliminationCreate(rod->comm, nodes, rod->model->halves, &newton->counter));
+    PetscCall(CreateElimination(rod, &newton->counter));
   PetscFunctionReturn(0);
 }
 
@@ -446,9 +486,7 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
       PetscCall(SetBlockLU(ts, newton));
     else
       PetscCall(RodCreateMatrix(rod, &newton->J));
-    if (counts)
-      PetscCall(EliminationCreate(rod->comm, rod->end - rod->first, rod->model->halves,
-                                  &newton->counter));
+    if (counts) PetscCall(CreateElimination(rod, &newton->counter));
   }
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, Jacobian, newton));
   PetscFunctionReturn(0);
@@ -488,33 +526,45 @@ PetscErrorCode NewtonEliminate(Newton *newton, Elimination elimination) {
   PetscFunctionReturn(0);
 }
 
-/*
-  NewtonIndex - how many modes grow faster than the shift of the latest Jacobian, see
-  EliminationIndex(); where that was assembled, of the rod without what far parts of it do to each
-  other. Collective.
+/* What modes are counted in. */
+static Elimination Counted(const Newton *newton) {
+  return newton->counter ? newton->counter : newton->elimination;
+}
 
-  known  can they be counted? Not where a rod in space sticks, for round-off beside what is so stiff
-*/
-PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known) {
-  Elimination counted = newton->counter ? newton->counter : newton->elimination;
+/* NewtonCounts - can modes be counted at the latest Jacobian's state? Not where a rod in space
+   sticks, for round-off beside what is so stiff. NewtonIndex() then does. Collective. */
+PetscErrorCode NewtonCounts(Newton *newton, PetscBool *can) {
+  const Elimination counted = Counted(newton);
   Rod rod = newton->rod;
 
   PetscFunctionBegin;
-  *known = (PetscBool)(counted && (!newton->counter || newton->linearised.U) &&
-                       !(EliminationWide(counted) && RodSticks(rod)));
-  *index = 0;
-  if (!*known) PetscFunctionReturn(0);
-  if (counted == newton->counter) PetscCall(NewtonEliminate(newton, counted));
+  *can = (PetscBool)(counted && (!newton->counter || newton->linearised.U) &&
+                     !(EliminationWide(EliminationPart(counted, 0)) && RodSticks(rod)));
+  if (*can && counted == newton->counter) PetscCall(NewtonEliminate(newton, counted));
+  PetscFunctionReturn(0);
+}
+
+/*
+  NewtonIndex - how many modes of one of its rods grow faster than the shift of the latest Jacobian,
+  see EliminationIndex(); where that was assembled, of the rod without what far parts of it do to
+  each other. Behind NewtonCounts(). Collective.
+
+  known  could they be counted?
+*/
+PetscErrorCode NewtonIndex(const Newton *newton, PetscInt k, PetscInt *index, PetscBool *known) {
+  const Elimination counted = EliminationPart(Counted(newton), k);
+
+  PetscFunctionBegin;
   EliminationPlane(counted, newton->plane);
   PetscCall(EliminationIndex(counted, index));
-  if (*index < (EliminationWide(counted) ? 0 : line_unknown / 2)) *known = PETSC_FALSE;
+  *known = (PetscBool)(*index >= (EliminationWide(counted) ? 0 : line_unknown / 2));
   PetscFunctionReturn(0);
 }
 
 /* NewtonOutOfPlane - how many modes out of the plane of x1 and x2 grow faster than this rate, of a
    rod in space that lies in it; 0 where they cannot be counted. Collective. */
 PetscErrorCode NewtonOutOfPlane(Newton *newton, PetscReal rate, PetscInt *modes) {
-  const Elimination counted = newton->counter ? newton->counter : newton->elimination;
+  const Elimination counted = Counted(newton);
   const RodState linearised = newton->linearised;
   PetscInt index[2] = {0, 0};
 

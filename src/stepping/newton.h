@@ -23,8 +23,8 @@ typedef struct {
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscReal guess;            /* the largest residual of the guess */
   PetscReal halved;           /* the largest residual when it last had halved */
-  PetscInt creeps;            /* how many iterations ago that was */
-  PetscInt wild;              /* for how many it has been far above that of the guess */
+  PetscInt stalled;           /* how many iterations ago that was */
+  PetscInt diverging;         /* for how many it has been far above that of the guess */
   PetscInt holds;             /* how often sticking points were held anew */
   PetscInt waits;             /* how many iterations forces have been waited for */
 } Newton;
@@ -34,7 +34,8 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
 PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
 PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);
 PetscErrorCode NewtonEliminate(Newton *newton, Elimination elimination);
-PetscErrorCode NewtonIndex(Newton *newton, PetscInt *index, PetscBool *known);
+PetscErrorCode NewtonCounts(Newton *newton, PetscBool *can);
+PetscErrorCode NewtonIndex(const Newton *newton, PetscInt k, PetscInt *index, PetscBool *known);
 PetscErrorCode NewtonOutOfPlane(Newton *newton, PetscReal rate, PetscInt *modes);
 PetscErrorCode NewtonDestroy(Newton *newton);
 

@@ -97,7 +97,9 @@ PetscBool GrowFindsNoWay(const Grow *self) {
 
 /* Where the tip is in the frame of the clamp. */
 static void TipInClamp(const Scene scene, const Observation *seen, PetscReal x[3]) {
-  const PetscReal lab[3] = {seen->tip_x1, seen->tip_x2, seen->tip_x3};
+  const PetscReal *place = scene->space.place,
+                  lab[3] = {seen->tip_x1 - place[0], seen->tip_x2 - place[1],
+                            seen->tip_x3 - place[2]};
 
   SpaceFromLab(&scene->space, lab, x);
 }

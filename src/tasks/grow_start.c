@@ -27,24 +27,26 @@ static PetscErrorCode CheckRoom(Grow *self) {
 /* Refuses a clamp that is behind a surface in space. */
 static PetscErrorCode CheckClamp(Grow *self) {
   const Surfaces *surfaces = &self->scene->contact.surfaces;
-  const PetscReal clamp[3] = {0, 0, 0};
+  const PetscReal *clamp = self->scene->space.place;
   const Surface *surface;
   PetscInt nearest = -1;
+  char text[96];
 
   PetscFunctionBegin;
   if (self->scene->clamp == CLAMP_FREE) PetscFunctionReturn(0);
   (void)SurfacesDistance(surfaces, clamp, 0, &nearest);
   if (nearest < 0) PetscFunctionReturn(0);
   surface = &surfaces->surface[nearest];
-  UserCheck(!surface->hollow, self->scene->comm,
-            "-wall_file, line %d: the rod starts in a wall: the clamp, at 0, is out of the %s that "
-            "the rod is to be inside of; move it, or give outside",
-            surface->line, surface->kind->name);
+  UserCheck(
+      !surface->hollow, self->scene->comm,
+      "-wall_file, line %d: the rod starts in a wall: the clamp, at %s, is out of the %s that "
+      "the rod is to be inside of; move it, or give outside",
+      surface->line, OptionPlace(clamp, text), surface->kind->name);
   UserCheck(
       PETSC_FALSE, self->scene->comm,
-      "-wall_file, line %d: the rod starts in a wall: the clamp, at 0, is behind the %s; move "
+      "-wall_file, line %d: the rod starts in a wall: the clamp, at %s, is behind the %s; move "
       "it, or take its other side",
-      surface->line, surface->kind->name);
+      surface->line, OptionPlace(clamp, text), surface->kind->name);
   PetscFunctionReturn(0);
 }
 
@@ -103,7 +105,7 @@ static PetscErrorCode CheckStart(Grow *self) {
  */
 static PetscErrorCode CheckWalls(Grow *self) {
   const Walls *walls = &self->scene->contact.walls;
-  const PetscReal clamp[2] = {0, 0};
+  const PetscReal *clamp = self->scene->contact.stand; /* in the frame of walls */
   const PetscInt behind = WallsBehind(walls, clamp);
   Rod rod = self->now->rod;
   PetscBool passes;
@@ -125,12 +127,12 @@ static PetscErrorCode CheckWalls(Grow *self) {
 static PetscErrorCode NameBeside(Grow *self) {
   const Walls *walls = &self->scene->contact.walls;
   const Surfaces *surfaces = &self->scene->contact.surfaces;
-  const PetscReal clamp[3] = {0, 0, 0};
+  const PetscReal *clamp = self->scene->space.place;
 
   PetscFunctionBegin;
   if (self->quiet) PetscFunctionReturn(0);
   for (PetscInt w = 0; w < walls->n; w++)
-    if (!WallsHold(walls, w, clamp))
+    if (!WallsHold(walls, w, self->scene->contact.stand))
       PetscCall(
           PetscPrintf(self->scene->comm,
                       "-wall_file: wall %d, a path, does not hold the clamp: the rod is out of "

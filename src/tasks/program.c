@@ -7,6 +7,7 @@
 #include "tasks/accuracy.h"
 #include "tasks/critical.h"
 #include "tasks/grow.h"
+#include "tasks/several.h"
 #include "tasks/single.h"
 #include "tasks/stability.h"
 #include "tasks/sweep.h"
@@ -42,11 +43,18 @@ void ProgramSetTable(void) {
 /* ProgramRun - does what the options ask for (-task), from the scene to the result. Collective;
    after ProgramBegin(). A failure has been told when it returns, and all is freed. */
 PetscErrorCode ProgramRun(void) {
+  PetscBool several;
   PetscInt task;
+  Single asked;
 
   PetscFunctionBegin;
   PetscCall(OptionWord("-task", &task, NULL));
-  if (task == TASK_SWEEP)
+  PetscCall(SeveralAsked(&several));
+  if (several) {
+    PetscCall(SingleAsked(task, NULL, &asked));
+    PetscCall(SeveralRun(&asked));
+    PetscCall(OptionsRefuseLeft());
+  } else if (task == TASK_SWEEP)
     PetscCall(SweepRun());
   else
     PetscCall(SingleRun(task, NULL, NULL));

@@ -5,12 +5,14 @@
 #include "tasks/grow.h"
 #include "tasks/stability.h"
 
-/* The slowest mode as initial shape: the scene alone cannot know it. */
-static PetscErrorCode TakeSlowestMode(Scene scene) {
+/* SingleShape - the slowest mode as initial shape, if that is asked for: the scene alone cannot
+   know it. Collective. */
+PetscErrorCode SingleShape(Scene scene) {
   PetscReal *s, *theta;
   PetscInt n;
 
   PetscFunctionBegin;
+  if (scene->shape.type != SHAPE_MODE) PetscFunctionReturn(0);
   UserCheck(
       scene->clamp != CLAMP_HINGED, scene->comm,
       "-shape_type mode: begins tilted in a hinge, and shapes are measured against the clamp; "
@@ -33,7 +35,8 @@ static PetscErrorCode PrintUnits(Scene scene) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode ReadOptions(PetscInt task, const char *output, Single *asked) {
+/* SingleAsked - reads what is asked for of a run, but for its scene. Collective. */
+PetscErrorCode SingleAsked(PetscInt task, const char *output, Single *asked) {
   PetscBool go_on;
   Si si;
 
@@ -131,9 +134,9 @@ static PetscErrorCode RunTask(Scene scene, const Single *asked, Member *member) 
 */
 PetscErrorCode SingleScene(PetscInt task, const char *output, Single *asked, Scene *scene) {
   PetscFunctionBegin;
-  PetscCall(ReadOptions(task, output, asked));
+  PetscCall(SingleAsked(task, output, asked));
   PetscCall(SceneCreate(scene));
-  if ((*scene)->shape.type == SHAPE_MODE && task == TASK_GROW) PetscCall(TakeSlowestMode(*scene));
+  if (task == TASK_GROW) PetscCall(SingleShape(*scene));
   PetscFunctionReturn(0);
 }
 

@@ -12,6 +12,8 @@ typedef struct {
   char output[PETSC_MAX_PATH_LEN], restart[PETSC_MAX_PATH_LEN];
 } Single;
 
+PetscErrorCode SingleAsked(PetscInt task, const char *output, Single *asked);
+PetscErrorCode SingleShape(Scene scene);
 PetscErrorCode SingleScene(PetscInt task, const char *output, Single *asked, Scene *scene);
 PetscErrorCode SingleRun(PetscInt task, const char *output, Member *member);
 

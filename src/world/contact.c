@@ -19,7 +19,7 @@ static const OptionRow rows[] = {
              "k that follows from the diameter grows, up to 16-fold, where the rod is pressed in "
              "by more than 0.075 % of it; where it can touch itself up to 64-fold, from 0.3 % on "
              "(docs/contact.md); if not given it does, unless the run finds no way so")};
-const OptionGroup contact_options = OPTION_GROUP("Contact", rows);
+const OptionGroup contact_options = OPTION_GROUP_OF_ROD("Contact", rows);
 
 /* ContactMayGetFirm - unless the user says whether it does, contact gets firmer where the rod is
    pressed in, if k follows from its diameter; but no run pays for that before it is. */

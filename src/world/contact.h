@@ -49,8 +49,10 @@ typedef struct {
   PetscReal friction;     /* mu_c between strands, and of walls without their own */
   Friction rub;           /* how contact friction is regularised: dry, of strength 1 */
   Walls walls;
-  Surfaces surfaces;                  /* in space (contact_space.h) */
-  PetscReal lab[3][3], upright[3][3]; /* from the clamp's frame to that of surfaces, and of walls */
+  Surfaces surfaces; /* in space (contact_space.h) */
+  PetscReal lab[3][3],
+      upright[3][3];            /* from the clamp's frame to that of surfaces, and of walls, */
+  PetscReal place[3], stand[3]; /* in which the clamp is here */
 } Contact;
 
 /* Where on a surface, and what it does there: the force on the rod per length (of its tip: times

@@ -1,11 +1,6 @@
 #include "world/contact_space.h"
 #include "base/vectors.h"
 
-/* y = M x */
-static void Turn(const PetscReal M[3][3], const PetscReal x[3], PetscReal y[3]) {
-  for (int d = 0; d < 3; d++) y[d] = Dot3(M[d], x);
-}
-
 /* y = M^T x */
 static void TurnBack(const PetscReal M[3][3], const PetscReal x[3], PetscReal y[3]) {
   for (int d = 0; d < 3; d++) y[d] = M[0][d] * x[0] + M[1][d] * x[1] + M[2][d] * x[2];
@@ -16,9 +11,16 @@ static void TurnBack(const PetscReal M[3][3], const PetscReal x[3], PetscReal y[
 
   lab          from the clamp's frame to the laboratory
   clamp_angle  by which the plane's walls have been turned back
+  place        of the clamp in the laboratory
 */
-void ContactSetFrame(Contact *self, const PetscReal lab[3][3], PetscReal clamp_angle) {
+void ContactSetFrame(Contact *self, const PetscReal lab[3][3], PetscReal clamp_angle,
+                     const PetscReal place[3]) {
   const PetscReal c = PetscCosReal(clamp_angle), s = PetscSinReal(clamp_angle);
+
+  for (int d = 0; d < 3; d++) self->place[d] = place[d];
+  self->stand[0] = c * place[0] + s * place[1];
+  self->stand[1] = -s * place[0] + c * place[1];
+  self->stand[2] = place[2];
 
   for (int k = 0; k < 3; k++) {
     for (int d = 0; d < 3; d++) self->lab[d][k] = lab[d][k];
@@ -26,6 +28,26 @@ void ContactSetFrame(Contact *self, const PetscReal lab[3][3], PetscReal clamp_a
     self->upright[1][k] = -s * lab[0][k] + c * lab[1][k];
     self->upright[2][k] = lab[2][k];
   }
+}
+
+/* A place of the clamp's frame in the laboratory, where surfaces are. */
+static inline void ToLab(const Contact *self, const PetscReal x[3], PetscReal lab[3]) {
+  for (int d = 0; d < 3; d++) lab[d] = Dot3(self->lab[d], x) + self->place[d];
+}
+
+/* ... in the frame of the walls of the plane. */
+static inline void ToWalls(const Contact *self, const PetscReal x[3], PetscReal y[3]) {
+  for (int d = 0; d < 3; d++) y[d] = Dot3(self->upright[d], x) + self->stand[d];
+}
+
+/* ContactToLab - a place of the clamp's frame in the laboratory. */
+void ContactToLab(const Contact *self, const PetscReal x[3], PetscReal lab[3]) {
+  ToLab(self, x, lab);
+}
+
+/* ContactToWalls - ... in the frame of the walls of the plane. */
+void ContactToWalls(const Contact *self, const PetscReal x[3], PetscReal y[3]) {
+  ToWalls(self, x, y);
 }
 
 /* ---- what touches ---- */
@@ -80,7 +102,7 @@ static PetscInt TouchSurfaces(const Contact *self, const PetscReal x[3], Touch3 
   PetscInt which[MOST_SURFACES], n;
   PetscReal y[3];
 
-  Turn(self->lab, x, y);
+  ToLab(self, x, y);
   n = SurfacesNear(&self->surfaces, y, self->diameter / 2 + self->smooth, which, point);
   for (PetscInt k = 0; k < n; k++) TouchOf(self, which[k], y, &point[k], &touch[k]);
   return n;
@@ -108,7 +130,7 @@ static PetscInt TouchUpright(const Contact *self, const PetscReal x[3], Touch3 t
   PetscReal y[3];
   PetscInt n;
 
-  Turn(self->upright, x, y);
+  ToWalls(self, x, y);
   n = WallsTouch(&self->walls, y, self->diameter / 2, self->smooth, flat);
   for (PetscInt k = 0; k < n; k++) {
     touch[k].gap = flat[k].gap;
@@ -186,12 +208,12 @@ PetscReal ContactGap3(const Contact *self, const PetscReal x[3], PetscReal withi
   PetscInt which = -1;
 
   if (self->surfaces.n) {
-    Turn(self->lab, x, y);
+    ToLab(self, x, y);
     gap = SurfacesDistance(&self->surfaces, y, within + half, &which) - half;
     if (which >= 0) gap = PetscMin(within, gap + self->surfaces.surface[which].off);
   }
   if (self->walls.n) {
-    Turn(self->upright, x, y);
+    ToWalls(self, x, y);
     gap = PetscMin(gap, WallsGap(&self->walls, y, half));
   }
   return gap;
@@ -208,9 +230,9 @@ void ContactRidgesNear(const Contact *self, const PetscReal x[4][3], PetscReal r
 
   for (int k = 0; k < 4; k++) {
     PetscReal y[3];
-    Turn(self->lab, x[k], y);
+    ToLab(self, x[k], y);
     BlockHold(3, &place, y);
-    Turn(self->upright, x[k], y);
+    ToWalls(self, x[k], y);
     BlockHold(2, &flat, y);
   }
   if (self->surfaces.ridges) SurfacesRidgesNear(&self->surfaces, &place, reach, meet, ctx);
@@ -222,7 +244,7 @@ static PetscBool PostTouch(const Contact *self, const WallPost *post, const Pets
                            PetscReal within, Touch3 *touch) {
   PetscReal y[3], n[2], size;
 
-  Turn(self->upright, x, y);
+  ToWalls(self, x, y);
   for (int d = 0; d < 2; d++) n[d] = y[d] - post->at[d];
   size = hypot(n[0], n[1]);
   touch->gap = size - post->r - self->diameter / 2;
@@ -243,7 +265,7 @@ PetscBool ContactRidgeTouch(const Contact *self, PetscInt item, const PetscReal 
 
   if (item >= self->surfaces.ridges)
     return PostTouch(self, &self->walls.post[item - self->surfaces.ridges], x, within, touch);
-  Turn(self->lab, x, y);
+  ToLab(self, x, y);
   if (!SurfacesRidgeAt(&self->surfaces, item, y, within + half, &point)) return PETSC_FALSE;
   TouchOf(self, self->surfaces.ridge[item].surface, y, &point, touch);
   return (PetscBool)(touch->gap < within);

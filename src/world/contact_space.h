@@ -56,7 +56,10 @@ static inline PetscBool ContactHasRidges(const Contact *contact) {
    it is, its number + 1; 0: of none. */
 enum { WALL_SLOTS = 4 };
 
-void ContactSetFrame(Contact *contact, const PetscReal lab[3][3], PetscReal clamp_angle);
+void ContactSetFrame(Contact *contact, const PetscReal lab[3][3], PetscReal clamp_angle,
+                     const PetscReal place[3]);
+void ContactToLab(const Contact *contact, const PetscReal x[3], PetscReal lab[3]);
+void ContactToWalls(const Contact *contact, const PetscReal x[3], PetscReal y[3]);
 void ContactStandOff(Contact *contact, PetscReal *off);
 PetscInt ContactTouches3(const Contact *contact, const PetscReal x[3], Touch3 touch[MOST_TOUCHES3]);
 PetscBool ContactBlurs(const Contact *contact, int d);

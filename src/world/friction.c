@@ -7,7 +7,7 @@ static const OptionRow rows[] = {
              "regularisation of |x_t|^2; 0: exact Coulomb friction with stick"),
     ROW_WORD("-friction_newton", "primal_dual", "primal,primal_dual", 0,
              "linearisation of dry friction")};
-const OptionGroup friction_options = OPTION_GROUP("Friction", rows);
+const OptionGroup friction_options = OPTION_GROUP_OF_ROD("Friction", rows);
 
 /* FrictionSetFromOptions - reads and checks the friction law's options. */
 PetscErrorCode FrictionSetFromOptions(Friction *friction) {

@@ -12,7 +12,7 @@ static const OptionRow rows[] = {
              "\"X:F,X:F,...\": friction in layers along x1, the start of each and its factor"),
     ROW_REAL("-friction_layer_width", "0.1", 1e-9, 1e6, UNIT_LENGTH, 0,
              "length over which layers are joined")};
-const OptionGroup load_options = OPTION_GROUP("Friction that varies", rows);
+const OptionGroup load_options = OPTION_GROUP_OF_ROD("Friction that varies", rows);
 
 static PetscErrorCode ReadField(Load *load) {
   char file[PETSC_MAX_PATH_LEN] = "", layers[PETSC_MAX_PATH_LEN] = "";
@@ -92,7 +92,7 @@ PetscReal LoadFactor(const Load *load, const PetscReal x[3], PetscReal t, PetscR
 
   for (int d = 0; d < 3; d++) slope[d] = 0;
   if (!load->field) return load->factor;
-  for (int d = 0; d < 3; d++) lab[d] = Dot3(load->lab[d], x);
+  for (int d = 0; d < 3; d++) lab[d] = Dot3(load->lab[d], x) + load->place[d];
   FieldAt(load->field, lab, t, &factor, by);
   for (int d = 0; d < 3; d++)
     slope[d] = load->factor *

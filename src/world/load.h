@@ -22,7 +22,8 @@ typedef struct {
   const Contact *walls;   /* NULL: none; borrowed */
   PetscReal weight[3];    /* force per length, in the clamp's frame */
   PetscReal radius;       /* at which friction feels the spin of a rod in space; 0: it does not */
-  PetscReal lab[3][3];    /* from the clamp's frame to the laboratory, where N is given */
+  PetscReal lab[3][3];    /* from the clamp's frame to the laboratory, where N is given, */
+  PetscReal place[3];     /* and the clamp is here */
   PetscBool weighs;       /* weight is not 0 */
   PetscBool plain;        /* N = 1 and a = 1, no walls, no weight */
   PetscBool varied;       /* N or a is not 1 */

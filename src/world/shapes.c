@@ -104,11 +104,11 @@ static PetscErrorCode TubeText(PetscInt n, const PetscReal ball[][FOUR], PetscBo
 }
 
 static PetscErrorCode TubeMake(const SurfaceLine *line, Surface *surface) {
-  const PetscReal clamp[3] = {0, 0, 0};
+  PetscReal clamp[3] = {0, 0, 0};
   PetscReal(*ball)[FOUR] = NULL;
-  char what[PETSC_MAX_PATH_LEN];
+  char what[PETSC_MAX_PATH_LEN], text[96];
   PetscErrorCode error;
-  PetscBool inside = PETSC_FALSE;
+  PetscBool inside = PETSC_FALSE, placed;
   PetscInt n = 0;
 
   PetscFunctionBegin;
@@ -129,12 +129,13 @@ static PetscErrorCode TubeMake(const SurfaceLine *line, Surface *surface) {
   for (PetscInt k = 0; k < n && inside; k++)
     surface->room = PetscMin(surface->room, ball[k][FOUR - 1] - line->radius);
   PetscCall(PetscFree(ball));
+  PetscCall(OptionVector("-clamp_place", UNIT_LENGTH, clamp, &placed));
   if (inside)
     UserCheck(
         TubeHolds((Tube)surface->data, clamp, line->radius), OptionsComm(),
-        "%s: the clamp, at 0, is outside the tube, or beside its mouth: move the tube, or lead it "
+        "%s: the clamp, at %s, is outside the tube, or beside its mouth: move the tube, or lead it "
         "to the clamp",
-        what);
+        what, OptionPlace(clamp, text));
   surface->box = TubeBox((Tube)surface->data);
   surface->smallest = TubeSmallest((Tube)surface->data);
   surface->core = TubeCore((Tube)surface->data);

@@ -17,7 +17,7 @@ static const OptionRow rows[] = {
     ROW_TEXT("-tip_path", INPUT_FILE,
              "CSV or HDF5 file with t and some of x1, x2, x3, angle (or q0, q1, q2, q3), turn: "
              "where a tip that -tip_type holds is led over time")};
-const OptionGroup tip_options = OPTION_GROUP("Tip", rows);
+const OptionGroup tip_options = OPTION_GROUP_OF_ROD("Tip", rows);
 
 /* Reads the path of a tip that is held. */
 static PetscErrorCode ReadPath(Tip *tip) {

@@ -340,7 +340,7 @@ static void MakeEdge(Contact *contact) {
   (void)snprintf(line, sizeof(line), "body %s inside friction 0.5\n", grid);
   WriteWalls(file, line);
   CHECK(WallsRead(file, 0.2, 0, 0, &contact->walls, &contact->surfaces));
-  ContactSetFrame(contact, upright, 0);
+  ContactSetFrame(contact, upright, 0, (const PetscReal[3]){0});
   RemoveFile(file);
   RemoveFile(grid);
 }

@@ -675,7 +675,7 @@ SHORTER = {  # scenes of options/ that take longest, and how they are run to an 
     "packing": "-ts_max_time 16", "twisted-rod": "-rod_cells 400", "root-gel": "-rod_cells 60 -ts_max_time 4",
     "vine-maze": "-rod_cells 60 -contact_stiffness 1e5 -ts_max_time 2.2",
     "vessel-branch": "-rod_cells 60 -ts_max_time 2",
-    "tube-heap": "-rod_cells 40 -ts_max_time 3"
+    "tube-heap": "-rod_cells 40 -ts_max_time 3", "seedlings": "-ts_max_time 0.1"
 }
 
 

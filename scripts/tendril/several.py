@@ -1,0 +1,80 @@
+"""Several rods in one result file: what each is alone, and all of them.
+
+    r = tendril.load("dish.h5")
+    r["left"].series.tip_x1       a rod's results, as of a run of its own
+    r.rods                        {name: results}
+    r.series.energy               of all: sums, or the largest"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NoReturn
+
+import numpy as np
+
+from .errors import ResultsError
+from .naming import unknown
+from .results import Results, Table, as_text, options_of
+
+OF_ALL = ("t", "step", "newton_iterations", "model")  # series that rods share
+OF_FILE = ("version", "petsc_version", "units", "ranks", "interrupted")
+
+
+@dataclass(repr=False, eq=False)
+class Rod(Results):
+    """One of several rods: results as of a run of its own."""
+
+    rod: str = ""
+
+    @property
+    def name(self):
+        return self.rod
+
+
+@dataclass(repr=False, eq=False)
+class Several(Results):
+    """A result file of several rods. Its shapes hold all nodes, rod behind rod; a rod's own are its results'."""
+
+    rods: dict[str, Results] = field(default_factory=dict)
+
+    def __repr__(self):
+        return f"<{self.name}: {len(self.rods)} rods, {', '.join(self.rods)}; {len(self.series.t)} steps to t = {self.series.t[-1]:g}>"
+
+    def __getitem__(self, name) -> Results:
+        if name not in self.rods:
+            raise ResultsError(f"{self.told}: has no rod {name}{unknown(name, self.rods)}")
+        return self.rods[name]
+
+    def at(self, t, nearest=False) -> NoReturn:
+        first = next(iter(self.rods))
+        raise ResultsError(f"{self.told}: holds {len(self.rods)} rods; take one, as [{first!r}].at({t})")
+
+    stored = between = astray = at
+
+
+def rod_of(path, finished, number, name, attributes, groups, shapes, series, about) -> Rod:
+    """Results of rod `number` of a file; about: units and notes."""
+    rods = groups["rods"]
+    nodes = slice(int(rods["first"][number]), int(rods["first"][number] + rods["count"][number]))
+    prefix = f"of/{name}/"
+    own = {key.removeprefix(prefix): as_text(value) for key, value in rods.items() if key.startswith(prefix)}
+    columns = {key.removeprefix("series/"): values[:, number] for key, values in rods.items()
+               if key.startswith("series/") and not np.isnan(values[:, number]).all()}
+    mine = Table({key: values for key, values in series.items() if key in OF_ALL} | columns)
+    cut = Table({key: values if key == "t" else values[nodes] if key == "s" else values[:, nodes] for key, values in shapes.items()})
+    mine.of, cut.of = f"{path}: rods/series of {name}", f"{path}: shapes of {name}"
+    kept = {key: value for key, value in attributes.items() if key in OF_FILE} | own
+    options = options_of(kept.pop("options", ""))
+    return Rod(path, finished, options, kept, mine, cut, rod=name, units=about[0], notes=about[1])
+
+
+def names_of(path, rods) -> list[str]:
+    """What the rods of a file are called."""
+    try:
+        names = [str(as_text(name)) for name in rods["name"]]
+        whole = all(len(rods[key]) == len(names) for key in ("first", "count"))
+    except (KeyError, TypeError) as error:
+        raise ResultsError(f"{path}: rods: is not whole ({error})") from None
+    if not whole or not names:
+        raise ResultsError(f"{path}: rods: names, first and count are not as many")
+    return names

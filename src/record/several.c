@@ -1,0 +1,354 @@
+#include "record/several.h"
+#include "base/lock.h"
+#include "record/storing.h"
+#include <petsctime.h>
+
+/* A store writes the file anew, which is to take a twentieth of the time at most. */
+static const PetscLogDouble soon = 2, share = 20;
+
+/* How a number of all rods comes from those of each. */
+typedef enum { NONE, SAME, SUM, MOST } Of;
+
+static Of OfAll(int observed) {
+  static const char *const
+      same = ",t,step,newton_iterations,model,",
+      *const sum = ",energy,energy_twist,growth_power,dissipation,tip_power,contact_force,"
+                   "contact_energy,contacts,weight_power,curvature_power,wall_power,clamp_power,"
+                   "tropism_power,ironing_power,snaps,self_crossings,",
+      *const most = ",length,max_angle,energy_defect,tip_speed,mid_speed,penetration,error_tip,"
+                    "error_norm_x2,error_energy,";
+  char name[64];
+
+  (void)snprintf(name, sizeof(name), ",%s,", observed_name[observed]);
+  if (strstr(same, name)) return SAME;
+  if (strstr(sum, name)) return SUM;
+  return strstr(most, name) ? MOST : NONE;
+}
+
+/* Has any rod this series? */
+static PetscBool Holds(const Several *self, int observed) {
+  for (PetscInt k = 0; k < self->n; k++)
+    if (OutputHolds(self->each[k], observed)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Series `observed` of each rod, [steps][rods]; NaN of those that have none. */
+static void Columns(const Several *self, int observed, PetscReal *value) {
+  const PetscInt steps = self->each[0]->series_n;
+
+  for (PetscInt i = 0; i < steps; i++)
+    for (PetscInt k = 0; k < self->n; k++) {
+      const Output one = self->each[k];
+      *value++ = OutputHolds(one, observed) ? ((const PetscReal *)&one->series[i])[observed] : NAN;
+    }
+}
+
+static PetscReal Together(Of of, PetscInt n, const PetscReal value[]) {
+  PetscReal all = 0;
+
+  for (PetscInt k = 0; k < n; k++) {
+    if (PetscIsNanReal(value[k])) continue;
+    if (of == SUM)
+      all += value[k];
+    else
+      all = k && of == MOST ? PetscMax(all, value[k]) : of == MOST ? value[k] : value[0];
+  }
+  return all;
+}
+
+static PetscErrorCode WriteSeries(const Several *self, HdfFile file) {
+  const PetscInt dims[2] = {self->each[0]->series_n, self->n};
+  PetscReal *value, *all;
+  char path[96];
+
+  PetscFunctionBegin;
+  PetscCall(HdfGroup(file, "/series"));
+  PetscCall(HdfGroup(file, "/rods/series"));
+  PetscCall(PetscMalloc2(dims[0] * dims[1], &value, dims[0], &all));
+  for (int i = 0; i < OBSERVED; i++) {
+    const Of of = OfAll(i);
+    if (!Holds(self, i)) continue;
+    Columns(self, i, value);
+    for (PetscInt k = 0; k < dims[0]; k++) all[k] = Together(of, self->n, value + k * self->n);
+    (void)snprintf(path, sizeof(path), "/series/%s", observed_name[i]);
+    if (of != NONE)
+      PetscCall(HdfWrite(file, path, 1, dims, all, observed_units[i], observed_text[i]));
+    (void)snprintf(path, sizeof(path), "/rods/series/%s", observed_name[i]);
+    if (of != SAME)
+      PetscCall(HdfWrite(file, path, 2, dims, value, observed_units[i], observed_text[i]));
+  }
+  PetscCall(PetscFree2(value, all));
+  PetscFunctionReturn(0);
+}
+
+/* The rod that has the most sets: contact is the last of them, and not all have it. */
+static Output Fullest(const Several *self) {
+  Output most = self->each[0];
+
+  for (PetscInt k = 1; k < self->n; k++)
+    if (self->each[k]->sets > most->sets) most = self->each[k];
+  return most;
+}
+
+/* One set of all shapes, rod behind rod; 0 of those that have none. */
+static PetscErrorCode WriteSet(const Several *self, HdfFile file, int set, PetscInt nodes) {
+  const ShapeSet *is = &Fullest(self)->set[set];
+  const PetscInt shapes = self->each[0]->shapes_n, width = PetscMax(1, is->components),
+                 dims[3] = {shapes, nodes, is->components};
+  PetscReal *all, *to;
+
+  PetscFunctionBegin;
+  if (!is->components) {
+    PetscCall(HdfWrite(file, is->name, 1, dims, self->each[0]->shape[set], is->units, is->text));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(PetscCalloc1(shapes * nodes * width, &all));
+  to = all;
+  for (PetscInt i = 0; i < shapes; i++)
+    for (PetscInt k = 0; k < self->n; k++) {
+      const Output one = self->each[k];
+      const PetscInt size = one->nodes * width;
+      if (set < one->sets) PetscCall(PetscArraycpy(to, one->shape[set] + i * size, size));
+      to += size;
+    }
+  PetscCall(HdfWrite(file, is->name, width > 1 ? 3 : 2, dims, all, is->units, is->text));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode WriteShapes(const Several *self, HdfFile file) {
+  PetscReal *s;
+  PetscInt nodes = 0, at = 0;
+
+  PetscFunctionBegin;
+  PetscCall(HdfGroup(file, "/shapes"));
+  for (PetscInt k = 0; k < self->n; k++) nodes += self->each[k]->nodes;
+  PetscCall(PetscMalloc1(nodes, &s));
+  for (PetscInt k = 0; k < self->n; at += self->each[k++]->nodes)
+    PetscCall(PetscArraycpy(s + at, self->each[k]->s, self->each[k]->nodes));
+  PetscCall(HdfWrite(file, "/shapes/s", 1, &nodes, s, "1",
+                     "material label of the nodes, rod behind rod [n]"));
+  PetscCall(PetscFree(s));
+  for (int set = 0; set < Fullest(self)->sets; set++) PetscCall(WriteSet(self, file, set, nodes));
+  PetscFunctionReturn(0);
+}
+
+/* Names and places of the rods. */
+static PetscErrorCode WriteRods(const Several *self, HdfFile file) {
+  PetscInt64 *first, *count;
+  const char **name;
+  PetscInt *row;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc4(self->n, &first, self->n, &count, self->n, &name, self->n, &row));
+  for (PetscInt k = 0; k < self->n; k++) {
+    row[k] = k;
+    name[k] = RodsName(self->rods, k);
+    count[k] = self->each[k]->nodes;
+    first[k] = k ? first[k - 1] + count[k - 1] : 0;
+  }
+  PetscCall(HdfColumn(file, "/rods/name", HDF_TEXTS, self->n, "", "what each is called [r]"));
+  PetscCall(HdfPut(file, "/rods/name", self->n, row, name));
+  PetscCall(HdfColumn(file, "/rods/first", HDF_INTS, self->n, "1",
+                      "first node of each in the shapes [r]"));
+  PetscCall(HdfPut(file, "/rods/first", self->n, row, first));
+  PetscCall(HdfColumn(file, "/rods/count", HDF_INTS, self->n, "1", "nodes of each [r]"));
+  PetscCall(HdfPut(file, "/rods/count", self->n, row, count));
+  PetscCall(PetscFree4(first, count, name, row));
+  PetscFunctionReturn(0);
+}
+
+/* What each rod's own file would say of it. */
+static PetscErrorCode WriteAbout(const Several *self, HdfFile file, PetscReal t) {
+  char group[64], *text;
+
+  PetscFunctionBegin;
+  PetscCall(HdfGroup(file, "/rods/of"));
+  for (PetscInt k = 0; k < self->n; k++) {
+    (void)snprintf(group, sizeof(group), "/rods/of/%s", RodsName(self->rods, k));
+    PetscCall(RodsEnter(self->rods, k));
+    PetscCall(HdfUnder(file, group));
+    PetscCall(OptionsList(&text));
+    PetscCall(HdfText(file, "/", "options", text));
+    PetscCall(PetscFree(text));
+    PetscCall(OutputParameters(file));
+    PetscCall(OutputWriteRun(self->each[k], file, t));
+    PetscCall(HdfUnder(file, NULL));
+    PetscCall(RodsLeave(self->rods));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* How far off any rod may be, once that is known. */
+static PetscErrorCode WriteErrors(const Several *self, HdfFile file) {
+  PetscReal most = 0, end = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) {
+    const ErrorEstimate *error = &self->each[k]->error;
+    if (error->kind == ESTIMATE_NONE) PetscFunctionReturn(0);
+    most = PetscMax(most, error->most.all);
+    end = PetscMax(end, error->end.all);
+  }
+  PetscCall(HdfReal(file, "/", "error_estimate", most));
+  PetscCall(HdfReal(file, "/", "error_end_estimate", end));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, PetscBool finished) {
+  char *text;
+
+  PetscFunctionBegin;
+  PetscCall(OutputAttributes(file, PETSC_COMM_SELF, finished));
+  PetscCall(HdfText(file, "/", "interrupted", self->stopped));
+  PetscCall(HdfGroup(file, "/rods"));
+  PetscCall(RodsText(self->rods, &text));
+  PetscCall(HdfWriteText(file, "/rods/text", text, "the rods' own options, a section each"));
+  PetscCall(PetscFree(text));
+  PetscCall(WriteRods(self, file));
+  PetscCall(WriteSeries(self, file));
+  PetscCall(WriteShapes(self, file));
+  PetscCall(WriteAbout(self, file, t));
+  PetscCall(WriteErrors(self, file));
+  PetscCall(self->keep(self->ctx, file));
+  PetscFunctionReturn(0);
+}
+
+/* SeveralBegin - may a file be written there? Behind all refusals of options. */
+PetscErrorCode SeveralBegin(Several *self) {
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&self->stored_at));
+  if (self->path[0]) PetscCall(OutputRefuseTaken("-output", self->path));
+  PetscFunctionReturn(0);
+}
+
+/* SeveralDue - is it time to store? */
+PetscBool SeveralDue(const Several *self) {
+  PetscLogDouble now;
+
+  if (!self->path[0] || PetscTime(&now)) return PETSC_FALSE;
+  return (PetscBool)(now - self->stored_at > PetscMax(soon, share * self->cost));
+}
+
+/* SeveralStore - brings all there is, up to time t, into the file. What cannot be written (a full
+   disk) is a user's mistake: the file is then what it was before. */
+PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished) {
+  char fault[HDF_FAULT] = "";
+  PetscLogDouble begin;
+  HdfFile file;
+
+  PetscFunctionBegin;
+  if (!self->path[0] || self->broken) PetscFunctionReturn(0);
+  PetscCall(PetscTime(&begin));
+  PetscCall(HdfCreate(self->path, &file));
+  PetscCall(WriteAll(self, file, t, finished));
+  PetscCall(HdfClose(&file, fault));
+  self->broken = (PetscBool)(fault[0] != 0);
+  UserCheck(!fault[0], PETSC_COMM_SELF,
+            "-output %s: cannot be written: %s%s; make room, or name a file elsewhere", self->path,
+            fault, self->there ? "; what was stored before is whole" : "");
+  self->there = PETSC_TRUE;
+  PetscCall(PetscTime(&self->stored_at));
+  self->cost = self->stored_at - begin;
+  PetscFunctionReturn(0);
+}
+
+/* ---- going on ---- */
+
+/* One series of all rods, up to a row. */
+static PetscErrorCode TakeSeries(const Several *self, const char *from, int observed,
+                                 PetscInt rows) {
+  const PetscBool same = (PetscBool)(OfAll(observed) == SAME);
+  PetscInt dims[2] = {0, 1};
+  PetscReal *value;
+  char path[96];
+
+  PetscFunctionBegin;
+  (void)snprintf(path, sizeof(path), same ? "/series/%s" : "/rods/series/%s",
+                 observed_name[observed]);
+  PetscCall(HdfReadGaps("-restart", from, path, same ? 1 : 2, dims, &value));
+  for (PetscInt i = 0; i < PetscMin(rows, dims[0]); i++)
+    for (PetscInt k = 0; k < self->n; k++)
+      ((PetscReal *)&self->each[k]->series[i])[observed] =
+          value[same ? i : i * dims[1] + PetscMin(k, dims[1] - 1)];
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(0);
+}
+
+/* One set of the shapes of all rods, up to one. */
+static PetscErrorCode TakeSet(const Several *self, const char *from, int set, PetscInt shapes) {
+  const ShapeSet *is = &Fullest(self)->set[set];
+  const PetscInt width = PetscMax(1, is->components);
+  const int rank = !is->components ? 1 : width == 1 ? 2 : 3;
+  PetscInt dims[3] = {0}, at = 0;
+  PetscReal *value;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", from, is->name, rank, dims, &value));
+  for (PetscInt k = 0; k < self->n; k++) {
+    Output one = self->each[k];
+    const PetscInt size = set < one->sets ? OutputShapeSize(one, set) : 0,
+                   row = is->components ? dims[1] * width : 1;
+    PetscCall(PetscMalloc1(shapes * size, &one->shape[set]));
+    for (PetscInt i = 0; i < shapes; i++)
+      PetscCall(PetscArraycpy(one->shape[set] + i * size,
+                              value + i * row + (is->components ? at * width : 0), size));
+    at += one->nodes;
+  }
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(0);
+}
+
+/* SeveralTake - reads what a file holds of the rods up to a time; as OutputContinue() has it. */
+PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, PetscReal interval) {
+  PetscReal *times;
+  PetscInt rows, shapes, n;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", from, "/series/t", 1, &n, &times));
+  rows = OutputCountUpTo(n, times, t);
+  PetscCall(PetscFree(times));
+  PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, &times));
+  shapes = OutputCountUpTo(n, times, t);
+  if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OutputOnGrid(t, interval)) shapes--;
+  for (PetscInt k = 0; k < self->n; k++) {
+    Output one = self->each[k];
+    PetscCall(PetscCalloc1(rows, &one->series));
+    one->series_n = one->series_room = rows;
+    one->shapes_n = one->shapes_room = one->times_n = one->times_room = shapes;
+    PetscCall(PetscMalloc1(shapes, &one->times));
+    PetscCall(PetscArraycpy(one->times, times, shapes));
+  }
+  PetscCall(PetscFree(times));
+  for (int i = 0; i < OBSERVED; i++)
+    if (Holds(self, i)) PetscCall(TakeSeries(self, from, i, rows));
+  for (int set = 0; set < Fullest(self)->sets; set++) PetscCall(TakeSet(self, from, set, shapes));
+  PetscFunctionReturn(0);
+}
+
+/* SeveralLabels - gives the scene of rod k the file's mesh, which may depend on the end time. */
+PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene) {
+  PetscReal *s, *first, *count;
+  PetscInt n, rods;
+  PetscBool same;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", from, "/shapes/s", 1, &n, &s));
+  PetscCall(HdfRead("-restart", from, "/rods/first", 1, &rods, &first));
+  PetscCall(HdfRead("-restart", from, "/rods/count", 1, &rods, &count));
+  same = (PetscBool)(k < rods && (PetscInt)count[k] == scene->mesh.cells + 1 &&
+                     (PetscInt)(first[k] + count[k]) <= n);
+  if (same) PetscCall(PetscArraycpy(scene->mesh.s, s + (PetscInt)first[k], scene->mesh.cells + 1));
+  PetscCall(PetscFree(s));
+  PetscCall(PetscFree(first));
+  PetscCall(PetscFree(count));
+  UserCheck(same, OptionsComm(), "-rod_cells %d: the run in -restart %s has another number",
+            (int)scene->mesh.cells, from);
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode SeveralEnd(Several *self) {
+  PetscFunctionBegin;
+  if (self->path[0]) PetscCall(LockGive(self->path));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,34 @@
+/* The result file of several rods: their series and shapes packed, rod behind rod.
+
+     /rods/name, first, count [r]   rod k has the nodes first[k] ... first[k] + count[k] - 1
+     /rods/series/NAME [steps][r]   as /series/NAME of a single rod's file
+     /rods/of/NAME                   attributes, and walls, as a single rod's file has them
+     /rods/text                     the rods' own options, a section each
+     /series/NAME [steps]           of all: sums, or the largest
+     /shapes/...                    as of a single rod, all nodes */
+#ifndef TENDRIL_SEVERAL_H
+#define TENDRIL_SEVERAL_H
+
+#include "record/output.h"
+#include "system/rods.h"
+
+typedef struct {
+  char path[PETSC_MAX_PATH_LEN]; /* empty: nothing is stored */
+  Rods rods;
+  PetscInt n;
+  Output *each;        /* [n], kept in memory */
+  const char *stopped; /* by what the run was interrupted; empty: it was not */
+  PetscErrorCode (*keep)(void *ctx, HdfFile file); /* what the run needs to go on from here */
+  void *ctx;
+  PetscLogDouble stored_at, cost;
+  PetscBool there, broken;
+} Several;
+
+PetscErrorCode SeveralBegin(Several *self);
+PetscBool SeveralDue(const Several *self);
+PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished);
+PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, PetscReal interval);
+PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene);
+PetscErrorCode SeveralEnd(Several *self);
+
+#endif

@@ -1,0 +1,257 @@
+#include "system/model.h"
+#include "rod/ask.h"
+#include <petsc/private/petscimpl.h> /* PetscObjectStateSet() */
+
+/* The parts of a state that are one rod's. They are the same vectors in each state, and count as
+   changed when that has: what a rod knows of a state it keeps. */
+typedef struct {
+  Vec U, U_t, F;
+} Part;
+
+typedef struct {
+  RodModel model; /* of all */
+  PetscInt *at;
+  Part *part;
+  RodSeen seen;             /* the latest state, */
+  PetscObjectState changes; /* the how manieth that is */
+} System;
+
+/* ---- states ---- */
+
+/* Puts the parts on a state, until Leave(). F NULL: no equations are asked for. */
+static PetscErrorCode Enter(Rod rod, const RodState *at, Vec F) {
+  System *self = (System *)rod->data;
+  const PetscInt fields = rod->model->fields;
+  const PetscScalar *u, *u_t;
+  PetscBool known;
+  PetscScalar *f = NULL;
+
+  PetscFunctionBegin;
+  PetscCall(RodRecognise(at, &self->seen, &known));
+  if (!known) self->changes++;
+  PetscCall(VecGetArrayRead(at->U, &u));
+  PetscCall(VecGetArrayRead(at->U_t, &u_t));
+  if (F) PetscCall(VecGetArray(F, &f));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    Part *part = &self->part[k];
+    PetscCall(VecPlaceArray(part->U, u + self->at[k] * fields));
+    PetscCall(VecPlaceArray(part->U_t, u_t + self->at[k] * fields));
+    PetscCall(PetscObjectStateSet((PetscObject)part->U, self->changes));
+    PetscCall(PetscObjectStateSet((PetscObject)part->U_t, self->changes));
+    if (F) PetscCall(VecPlaceArray(part->F, f + self->at[k] * fields));
+  }
+  if (F) PetscCall(VecRestoreArray(F, &f));
+  PetscCall(VecRestoreArrayRead(at->U_t, &u_t));
+  PetscCall(VecRestoreArrayRead(at->U, &u));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Leave(Rod rod, Vec F) {
+  System *self = (System *)rod->data;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    PetscCall(VecResetArray(self->part[k].U));
+    PetscCall(VecResetArray(self->part[k].U_t));
+    if (F) PetscCall(VecResetArray(self->part[k].F));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* The state of rod k, of which its parts are on. */
+static RodState StateOf(Rod rod, PetscInt k, const RodState *at) {
+  const Part *part = &((const System *)rod->data)->part[k];
+  RodState own = *at;
+
+  own.U = part->U;
+  own.U_t = part->U_t;
+  return own;
+}
+
+/* ---- the model ---- */
+
+static PetscErrorCode Residual(Rod rod, const RodState *at, Vec F) {
+  PetscFunctionBegin;
+  PetscCall(Enter(rod, at, F));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const RodState own = StateOf(rod, k, at);
+    PetscCall(rod->each[k]->model->residual(rod->each[k], &own, ((System *)rod->data)->part[k].F));
+  }
+  PetscCall(Leave(rod, F));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Eliminate(Rod rod, const RodState *at, Elimination elimination) {
+  PetscFunctionBegin;
+  PetscCall(Enter(rod, at, NULL));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const RodState own = StateOf(rod, k, at);
+    PetscCall(rod->each[k]->model->eliminate(rod->each[k], &own, EliminationPart(elimination, k)));
+  }
+  PetscCall(Leave(rod, NULL));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Hold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
+  PetscReal one;
+
+  PetscFunctionBegin;
+  *creep = 0;
+  PetscCall(Enter(rod, at, NULL));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const RodState own = StateOf(rod, k, at);
+    PetscCall(rod->each[k]->model->hold(rod->each[k], &own, seen, &one));
+    *creep = PetscMax(*creep, one);
+  }
+  PetscCall(Leave(rod, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* Each rod keeps what it bears; of all together it is of no account. */
+static PetscErrorCode Bears(Rod rod, const RodState *at, RodForces *sum) {
+  RodForces one;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMemzero(sum, sizeof(*sum)));
+  PetscCall(Enter(rod, at, NULL));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const RodState own = StateOf(rod, k, at);
+    PetscCall(rod->each[k]->model->bears(rod->each[k], &own, &one));
+    RodKeepBorne(rod->each[k], &one);
+  }
+  PetscCall(Leave(rod, NULL));
+  PetscFunctionReturn(0);
+}
+
+/* The rod that has node i of all. */
+static PetscInt RodOf(const Rod rod, PetscInt i) {
+  PetscInt k = 0;
+  while (i >= rod->at[k + 1]) k++;
+  return k;
+}
+
+static PetscReal *RememberedAt(Rod rod, PetscInt i, PetscInt value) {
+  const PetscInt k = RodOf(rod, i);
+  const Rod one = rod->each[k];
+
+  return value < one->memory ? one->model->remembered(one, i - rod->at[k], value) : NULL;
+}
+
+static PetscErrorCode Recalled(Rod rod) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < rod->rods; k++)
+    if (rod->each[k]->model->recalled) PetscCall(rod->each[k]->model->recalled(rod->each[k]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Destroy(Rod rod) {
+  System *self = (System *)rod->data;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    PetscCall(VecDestroy(&self->part[k].U));
+    PetscCall(VecDestroy(&self->part[k].U_t));
+    PetscCall(VecDestroy(&self->part[k].F));
+    PetscCall(RodDestroy(&rod->each[k]));
+  }
+  PetscCall(SceneShareEnd(&rod->scene));
+  PetscCall(PetscFree(self->at));
+  PetscCall(PetscFree(self->part));
+  PetscCall(PetscFree(rod->each));
+  PetscCall(PetscFree(rod->data));
+  PetscFunctionReturn(0);
+}
+
+/* ---- all of them ---- */
+
+/* The units that steps begin by: those of the rod that wants the shortest. */
+static void Units(const Rod rod) {
+  SceneUnits *all = &rod->scene->units;
+
+  for (PetscInt k = 1; k < rod->rods; k++) {
+    const SceneUnits *one = &rod->each[k]->scene->units;
+    all->length = PetscMin(all->length, one->length);
+    all->time = PetscMin(all->time, one->time);
+    all->own = PetscMin(all->own, one->own);
+    all->brief = PetscMin(all->brief, one->brief);
+    if (one->unheld) all->unheld = PETSC_TRUE;
+    if (!one->straight) all->straight = PETSC_FALSE;
+  }
+}
+
+/* What all do as one: no fields are a factor times a shape for all of them. */
+static void MakeModel(const RodModel *of_each, RodModel *model) {
+  *model = *of_each;
+  model->name = "several rods";
+  for (PetscInt f = 0; f < model->fields; f++) model->group[f] = ALONG;
+  model->initial = NULL;
+  model->refuses = NULL;
+  model->create = NULL;
+  model->destroy = Destroy;
+  model->set = NULL;
+  model->get = NULL;
+  model->residual = Residual;
+  model->jacobian = NULL;
+  model->eliminate = Eliminate;
+  model->defect = NULL;
+  model->hold = of_each->hold ? Hold : NULL;
+  model->bears = of_each->bears ? Bears : NULL;
+  model->remembered = RememberedAt;
+  model->recalled = Recalled;
+}
+
+static PetscErrorCode MakeParts(Rod rod) {
+  System *self = (System *)rod->data;
+  const PetscInt fields = rod->model->fields;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(rod->rods + 1, &self->at));
+  PetscCall(PetscCalloc1(rod->rods, &self->part));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const PetscInt nodes = rod->each[k]->last + 1;
+    Part *part = &self->part[k];
+    self->at[k + 1] = self->at[k] + nodes;
+    rod->memory = PetscMax(rod->memory, rod->each[k]->memory);
+    PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, fields, nodes * fields, NULL, &part->U));
+    PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, fields, nodes * fields, NULL, &part->U_t));
+    PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, fields, nodes * fields, NULL, &part->F));
+  }
+  rod->at = self->at;
+  RodForget(&self->seen);
+  PetscFunctionReturn(0);
+}
+
+/*
+  SystemCreate - n rods of one model, which go together, on this rank. They are its own from now on;
+  the caller destroys it with RodDestroy(), before their scenes.
+
+  each  with their units
+*/
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Rod *rod) {
+  System *system;
+  Rod self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(rod));
+  self = *rod;
+  PetscCall(PetscNew(&system));
+  MakeModel(each[0]->model, &system->model);
+  self->data = system;
+  self->model = &system->model;
+  self->comm = PETSC_COMM_SELF;
+  self->alone = PETSC_TRUE;
+  self->order = each[0]->order;
+  self->rods = n;
+  PetscCall(PetscMalloc1(n, &self->each));
+  PetscCall(PetscArraycpy(self->each, each, n));
+  PetscCall(SceneShare(each[0]->scene, &self->scene));
+  PetscCall(MakeParts(self));
+  Units(self);
+  self->end = system->at[n];
+  self->last = self->end - 1;
+  for (int k = 0; k < 2; k++) self->kept[k].t = PETSC_MIN_REAL;
+  PetscCall(DMDACreate1d(PETSC_COMM_SELF, DM_BOUNDARY_NONE, self->end, self->model->fields, 1, NULL,
+                         &self->da));
+  PetscCall(DMSetUp(self->da));
+  PetscFunctionReturn(0);
+}

@@ -1,0 +1,21 @@
+/* The rods of a scene that has several, as options files and the command line tell of them: names,
+   and what options each has. */
+#ifndef TENDRIL_RODS_H
+#define TENDRIL_RODS_H
+
+#include "base/options.h"
+
+enum { ROD_NAME = 32 };
+
+typedef struct _Rods *Rods;
+
+PetscErrorCode RodsRead(const OptionWords *words, Rods *rods);
+PetscErrorCode RodsDestroy(Rods *rods);
+PetscInt RodsCount(Rods rods);
+const char *RodsName(Rods rods, PetscInt k);
+PetscErrorCode RodsEnter(Rods rods, PetscInt k);
+PetscErrorCode RodsLeave(Rods rods);
+PetscErrorCode RodsRefuseUnread(Rods rods);
+PetscErrorCode RodsText(Rods rods, char **text);
+
+#endif

@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Several rods from Python: dicts and tables, what each rod's results are, pictures.
+
+    test_several.py build/tendril"""
+# test: several rods are run, read and drawn from Python
+
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from interpreter import ROOT, from_venv
+
+sys.path.insert(0, str(ROOT / "scripts"))
+try:
+    import numpy as np
+    import pandas as pd
+    import tendril
+except ImportError as error:
+    from_venv(error)
+
+SCENE = {"growth_type": "feed", "growth_initial_length": 0.5, "ts_max_time": 0.3, "rod_cells": 20, "shape_type": "sag",
+         "shape_amplitude": 0.01, "output_shapes": 4}
+
+
+class Several(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        table = pd.DataFrame({"clamp_place": [(0, 0.3 * k, 0) for k in range(2)], "rod_curvature": [0.1, 0.2]})
+        cls.r = tendril.run(SCENE, rods={"tap": {"clamp_direction": (0, 0, 1), "rod_cells": 30}, "side": table})
+
+    def test_each_is_a_run(self):
+        self.assertEqual(list(self.r.rods), ["side1", "side2", "tap"])
+        alone = tendril.run(SCENE, rod_curvature=0.2, clamp_place=(0, 0.3, 0), rod_model="space")
+        one = self.r["side2"]
+        self.assertEqual(one.shapes.x.shape, alone.shapes.x.shape)
+        self.assertEqual(set(alone.series) - set(one.series), set())
+        self.assertLess(np.abs(one.at(0.3).x - alone.at(0.3).x).max(), 1e-6)
+        self.assertLess(np.abs(one.at(0.2).x - alone.at(0.2).x).max(), 1e-4)  # between two stored ones
+        self.assertEqual((one.options["rod_curvature"], one.options["rod_cells"]), ("0.2", "20"))
+        self.assertEqual(self.r["tap"].shapes.x.shape[1], 31)
+
+    def test_sums(self):
+        self.assertAlmostEqual(self.r.series.energy[-1], sum(one.series.energy[-1] for one in self.r.rods.values()), 14)
+        self.assertEqual(self.r.series.length[-1], max(one.series.length[-1] for one in self.r.rods.values()))
+
+    def test_one_is_to_be_taken(self):
+        with self.assertRaisesRegex(tendril.ResultsError, r"holds 3 rods; take one, as \['side1'\]"):
+            self.r.at(0.1)
+        with self.assertRaisesRegex(tendril.ResultsError, "has no rod taps, did you mean tap"):
+            self.r["taps"]
+
+    def test_pictures(self):
+        figure = tendril.plot(self.r, "space")
+        self.assertEqual([len(c.strands) for a in figure.axes for c in a.collections if hasattr(c, "strands")], [12])
+        names = [text.get_text().strip() for text in tendril.draw(self.r).axes[0].texts]
+        self.assertEqual(names, ["side1", "side2", "tap"])
+
+    def test_a_scene_is_drawn_before_it_runs(self):
+        figure = tendril.draw(SCENE, rods={"a": {"clamp_place": (0, 1, 0)}, "b": {}}, contact_diameter=0.05,
+                              wall_file=["sphere 1 0 0.2 0.3 outside"])
+        axes = figure.axes[0]
+        strands = next(c.strands for c in axes.collections if hasattr(c, "strands"))
+        self.assertTrue(np.allclose(strands[0].x[0], (0, 1, 0)) and len(strands) == 2 and strands[0].diameter == 0.05)
+        self.assertGreater(len(axes.collections), 2)  # the sphere
+        with self.assertRaisesRegex(tendril.RunError, "rod a: clamp_place: give three numbers|rod a: -?clamp_place"):
+            tendril.draw(SCENE, rods={"a": {"clamp_place": "x"}})
+
+    def test_a_scene_with_sections(self):
+        """What the scene has sections for is said by prefix, and comes on top."""
+        with tempfile.TemporaryDirectory() as directory:
+            path = Path(directory) / "dish.opts"
+            path.write_text("".join(f"-{name} {value}\n" for name, value in SCENE.items()) + "[rod a]\n-rod_curvature 0.1\n")
+            r = tendril.run(path, rods={"a": {"rod_curvature": 0.3}, "b": {"clamp_place": (0, 1, 0)}})
+        self.assertEqual(list(r.rods), ["a", "b"])
+        self.assertEqual((r["a"].options["rod_curvature"], r["b"].options["clamp_place"]), ("0.3", "0,1,0"))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        os.environ["TENDRIL"] = str(Path(sys.argv.pop(1)).resolve())
+    unittest.main()
