@@ -176,7 +176,7 @@ MUTATIONS = [
     ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
     ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t += rate + at_t * slope;", "if (k_t) *k_t += at_t * slope;"),
     ("steered along with what slides", "material/curvature.c", "if (k_t) *k_t += rate + at_t * slope;", "if (k_t) *k_t += rate;"),
-    ("steering costs nothing", "record/observe.c", "seen->wall_power + seen->curvature_power +", "seen->wall_power +"),
+    ("steering costs nothing", "record/balance.c", "seen->wall_power + seen->curvature_power +", "seen->wall_power +"),
     ("slides in, but not out", "material/growth_path.c", "return (1 - s) * SpeedPath(self, s, t);",
      "return (1 - s) * PetscAbsReal(SpeedPath(self, s, t));"),
     ("a path has no turns", "material/growth_path.c", "self->next_turn = NextTurn;", ""),

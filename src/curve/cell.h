@@ -30,6 +30,10 @@ static inline PetscReal CurveSum(const PetscReal part[3], const PetscReal at[3])
   return part[0] * at[0] + part[1] * at[1] + part[2] * at[2];
 }
 
+static inline Vector2 CurveSum2(const PetscReal part[3], Vector2 a, Vector2 mid, Vector2 b) {
+  return Along2(Along2(Times2(part[0], a), part[1], mid), part[2], b);
+}
+
 /* CurveBetween - the parabola at z. */
 static inline PetscReal CurveBetween(const PetscReal at[3], PetscReal z) {
   PetscReal part[3];

@@ -161,7 +161,7 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
     self->now->jumps = jumps;
     if (jumped && !layered) self->kept.snaps++;
   }
-  if (self->by_steps) PetscCall(ObserverGetBalance(self->observer, self->balance));
+  if (self->by_steps) ObserverGetBalance(self->observer, self->balance);
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now : NULL,
                             &self->seen));
   self->force_before = GrowBaseForce(&last);
