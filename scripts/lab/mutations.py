@@ -160,7 +160,7 @@ MUTATIONS = [
     ("feet in space, no kink", "rod/space.c", "  for (int i = 0; i < 4; i++) r[P + i] -= K[i];\n", ""),
     ("feet in space, whatever the slant", "rod/feet_find.c", "foot->rho = RhoOf(foot, touch);",
      "foot->rho = ContactRidgeSmallest(look->contact, foot->item, &(PetscReal){0});"),
-    ("feet in space, not remembered", "rod/space.c", "    rod->memory += OF_DUAL * WALL_SLOTS;\n", ""),
+    ("feet in space, not remembered", "rod/space.c", "    rod->memory += FrictionDualReals(RUBS) * WALL_SLOTS;\n", ""),
     ("feet in space, as loads of the estimate", "rod/space_defect.c", "if (j % 2) bare[N + d] -=", "if (0) bare[N + d] -="),
     # -- what moves as given in time
     ("comes and goes in a step", C, "if (self->next_end && !self->fixed)", "if (0)"),
