@@ -173,6 +173,8 @@ SENSES = {  # label: (options, times)
     "ironing 500, dry": (f"{ROOT_GROWS}-friction_mu 1 -tropism_gravity 4 -tropism_proprioception 2 -growth_ironing 500", (0.5, 1)),
     "shoot, heavy": ("-growth_type uniform -growth_initial_length 1 -shape_type straight -friction_mu 0 -rod_weight 0,-0.3 "
                      "-tropism_gravity 2 -tropism_direction 0,1 -tropism_proprioception 1", (1, 2)),
+    "yields, near its stall": ("-growth_type uniform -growth_initial_length 0.9 -growth_yield 1 -friction_beta 1e-4 -shape_type straight "
+                               "-rod_curvature 1e-3 -tropism_gravity 2 -tropism_direction 1,-0.1 -tropism_proprioception 1", (1, 3)),
     "fed": (f"{FED} -tropism_rate 1 -tropism_gravity 2 -tropism_direction 0,1 -tropism_proprioception 1", (1, 2)),
     "meets itself": ("-growth_type apical -growth_zone 0.4 -growth_initial_length 0.5 -shape_type straight -friction_mu 0.5 "
                      "-tropism_nutation 9 -tropism_proprioception 0.5 -growth_ironing 1 -contact_self -contact_diameter 0.1 "

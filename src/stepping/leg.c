@@ -455,22 +455,6 @@ PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leav
   PetscFunctionReturn(0);
 }
 
-/* What held places at rest before a snap holds them no more: the shifts of exact Coulomb friction
-   (Newton's method remembers them) begin anew. */
-static PetscErrorCode LetGo(Rod rod) {
-  Vec none;
-  DM da;
-
-  PetscFunctionBegin;
-  if (!rod->memory || !RodSticks(rod)) PetscFunctionReturn(0);
-  PetscCall(RodCreateMemory(rod, &da, &none));
-  PetscCall(VecSet(none, 0));
-  PetscCall(RodRecall(rod, none));
-  PetscCall(VecDestroy(&none));
-  PetscCall(DMDestroy(&da));
-  PetscFunctionReturn(0);
-}
-
 /* LegSpeed() of one rod. */
 static PetscErrorCode SpeedOf(Rod rod, Vec U_t, PetscReal *speed, PetscBool *begins) {
   const PetscReal before = RodFalls(rod);
@@ -484,7 +468,6 @@ static PetscErrorCode SpeedOf(Rod rod, Vec U_t, PetscReal *speed, PetscBool *beg
   falls = (PetscBool)(RodIsDry(rod) &&
                       *speed > (before > 0 ? step_rule.snapped_at : step_rule.snaps_at));
   *begins = (PetscBool)(falls && before == 0);
-  if (*begins) PetscCall(LetGo(rod));
   if (falls || before > 0) RodAtSpeed(rod, falls ? fastest : 0);
   PetscFunctionReturn(0);
 }

@@ -103,26 +103,6 @@ static PetscReal Largest(const PetscReal residual[GROUPS]) {
   return largest;
 }
 
-/*
-  MindsForces - must a step of a rod that can touch not be accepted without its forces? One that is
-  so long that a place which moves in it by no more than what is not seen does not snap; and one
-  whose residual is larger than that of its guess: nothing has been found in it. At the brink of a
-  snap velocities double in each iteration from next to nothing on, and one that has run wild falls
-  back to there: after some iterations such a rod was taken for one at rest, without balance, or
-  crept on in steps of such noise. (In shorter steps speeds are noise whatever is done, and starts
-  that are far out of balance, as their guesses are, fall in some in which no force can be told.)
-*/
-static PetscErrorCode MindsForces(const Newton *self, PetscReal unseen,
-                                  const PetscReal residual[GROUPS], PetscBool *minds) {
-  PetscReal step;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetTimeStep(self->ts, &step));
-  *minds = (PetscBool)(RodTouches(self->rod) &&
-                       (unseen < step_rule.fast * step || Largest(residual) > self->guess));
-  PetscFunctionReturn(0);
-}
-
 /* What an update of forces counts, relative to their size, beside those of the fields followed. */
 static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
   if (self->waits >= step_rule.force_iterations) return 0;
@@ -131,7 +111,7 @@ static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
 
 /*
   Hopeless - will the iteration of a rod that can touch not arrive? Most that fail went on to the
-  last of them: full steps run wild, to residuals of 1e10; those that are cut creep along in ever
+  last of them: full steps diverge, to residuals of 1e10; those that are cut stall in ever
   shorter ones. The former are given up where the residual has been so many times that of the guess,
   so many times in a row (one that finds its way from far out of balance comes back from there), but
   not before the EARLIEST (the first are, of a rod that leaves a stiff wall), the latter where it
@@ -142,11 +122,12 @@ static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBo
                   halves = (PetscBool)(residual <= step_rule.stalls * self->halved);
 
   if (begins || halves) self->halved = residual;
-  self->creeps = begins || halves ? 0 : self->creeps + 1;
-  self->wild = !begins && residual > step_rule.diverges * self->guess ? self->wild + 1 : 0;
-  return (PetscBool)(RodTouches(self->rod) && (cut ? self->creeps >= step_rule.stalls_iterations
-                                                   : it >= step_rule.diverges_earliest &&
-                                                         self->wild >= step_rule.diverges_times));
+  self->stalled = begins || halves ? 0 : self->stalled + 1;
+  self->diverges = !begins && residual > step_rule.diverges * self->guess ? self->diverges + 1 : 0;
+  return (PetscBool)(RodTouches(self->rod) &&
+                     (cut ? self->stalled >= step_rule.stalls_iterations
+                          : it >= step_rule.diverges_earliest &&
+                                self->diverges >= step_rule.diverges_times));
 }
 
 /* The speed at which a place that is held must creep to be seen in this step: to go as far as the
@@ -233,7 +214,7 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   Vec U, dU, F;
   SNESLineSearch search;
   PetscReal followed = 0, part = 1, whole = 1;
-  PetscBool minds = PETSC_FALSE, hopeless;
+  PetscBool hopeless;
 
   PetscFunctionBegin;
   *reason = PetscIsInfOrNanReal(fnorm) ? DIVERGED_NAN : SNES_CONVERGED_ITERATING;
@@ -247,8 +228,10 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
   } else {
     PetscCall(SNESGetSolutionUpdate(snes, &dU));
     PetscCall(RelativeUpdates(self->rod, U, dU, WeightOfForces(self, floor), update, &followed));
-    PetscCall(MindsForces(self, floor, residual, &minds));
-    self->waits = minds && followed > floor ? 0 : self->waits + 1;
+    /* of a rod that can touch no step is accepted without its forces, while it moves: one at the
+       brink of a snap, whose speeds double from next to nothing on, would be taken for one at rest
+     */
+    self->waits = RodTouches(self->rod) && followed > floor ? 0 : self->waits + 1;
     for (int g = 0; g < GROUPS; g++) {
       if (update[g] > floor) rate = PetscMax(rate, residual[g] / self->residual[g]);
       left = LargerSize(left, update[g]);

@@ -13,7 +13,7 @@ PetscErrorCode AccuracyTolerance(void);
 PetscReal AccuracyTimes(int part);
 void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
                       PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
-                      Errors *error);
+                      PetscBool strands, Errors *error);
 PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
                                 PetscReal weighed, PetscBool linear, PetscReal *error);

@@ -1,6 +1,7 @@
 /* -task grow: how far off a run may be. */
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
+#include "rod/ask.h"
 #include "rod/rules.h"
 #include "tasks/grow_rules.h"
 
@@ -70,6 +71,12 @@ static PetscReal Beside(const Grow *self) {
   if (!load->shared && self->kept.snaps > self->kept.crossings)
     error += grow_rule.share_error_of_jump * load->friction.least * self->scene->units.speed;
   return self->kept.vanished ? error + 1 : error;
+}
+
+/* Do strands of the rod touch each other, in space? */
+static PetscBool Winds(const Grow *self) {
+  return (PetscBool)(self->model == SPACE && self->kept.pressed > 0 &&
+                     RodMeetsItself(self->now->rod));
 }
 
 /* What the steps leave at least: each field is followed to the tolerance of its own size, and the
@@ -186,10 +193,10 @@ void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
   if (happens) self->kept.event_is = happens;
   Least(self, least);
   EstimateLatest(self->estimate, part, NULL);
-  AccuracyMeasured(least, part, Beside(self), &error->end);
+  AccuracyMeasured(least, part, Beside(self), Winds(self), &error->end);
   LookForSide(self, part, error->end.seen, (PetscBool)happens);
   Latest(self, part, NULL);
-  AccuracyMeasured(least, part, Beside(self), &error->end);
+  AccuracyMeasured(least, part, Beside(self), Winds(self), &error->end);
   self->seen.error_tip = error->end.seen[ESTIMATE_TIP];
   self->seen.error_norm_x2 = error->end.seen[ESTIMATE_NORM];
   self->seen.error_energy = error->end.seen[ESTIMATE_ENERGY];
@@ -223,7 +230,7 @@ static PetscErrorCode Measure(Grow *self) {
   PetscFunctionBegin;
   Least(self, least);
   PetscCall(EstimateTold(self->estimate, part));
-  AccuracyMeasured(least, part, Beside(self), &error->most);
+  AccuracyMeasured(least, part, Beside(self), Winds(self), &error->most);
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     const WorstError *worst = &self->kept.worst[k];
     if (worst->error > 0) error->most.seen[k] = worst->error;
@@ -231,7 +238,7 @@ static PetscErrorCode Measure(Grow *self) {
     error->why[k] = (int)worst->why;
   }
   Latest(self, part, change);
-  AccuracyMeasured(least, part, Beside(self), &error->end);
+  AccuracyMeasured(least, part, Beside(self), Winds(self), &error->end);
   error->most.all = error->end.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     error->most.all = PetscMax(error->most.all, error->most.seen[k]);
@@ -270,7 +277,7 @@ PetscErrorCode GrowErrors(Grow *self) {
   if (load->limit && !self->estimate)
     beside += grow_rule.beta_error * PetscPowReal(load->friction.beta, 1. / 6);
   Least(self, least);
-  AccuracyMeasured(least, worst, beside, &self->error.most);
+  AccuracyMeasured(least, worst, beside, Winds(self), &self->error.most);
   self->error.most.all = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) self->error.most.all += self->error.most.part[k];
   self->error.end = self->error.most;
