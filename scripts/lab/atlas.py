@@ -160,8 +160,7 @@ BOUNDS = {  # label: (options, times)
 
 
 SENSING = "growth that senses"
-SENSING_METHODS = ("default", "frame 2", "PETSc's bdf 5", "backward Euler, start extrapolated", "primal Newton", "backtracking", "MUMPS",
-                   "GMRES, ILU")
+SENSING_METHODS = ("default",)
 ROOT_GROWS = "-growth_type apical -growth_zone 0.6 -growth_initial_length 1 -shape_type straight -friction_mu 0.5 -tropism_direction 0,-1 "
 SENSES = {  # label: (options, times)
     "strong, at the tip": (f"{ROOT_GROWS}-tropism_gravity 30 -tropism_proprioception 3 -tropism_sensed tip", (0.5, 1)),
@@ -173,6 +172,8 @@ SENSES = {  # label: (options, times)
     "ironing 500, dry": (f"{ROOT_GROWS}-friction_mu 1 -tropism_gravity 4 -tropism_proprioception 2 -growth_ironing 500", (0.5, 1)),
     "shoot, heavy": ("-growth_type uniform -growth_initial_length 1 -shape_type straight -friction_mu 0 -rod_weight 0,-0.3 "
                      "-tropism_gravity 2 -tropism_direction 0,1 -tropism_proprioception 1", (1, 2)),
+    "yields, near its stall": ("-growth_type uniform -growth_initial_length 0.9 -growth_yield 1 -friction_beta 1e-4 -shape_type straight "
+                               "-rod_curvature 1e-3 -tropism_gravity 2 -tropism_direction 1,-0.1 -tropism_proprioception 1", (1, 3)),
     "fed": (f"{FED} -tropism_rate 1 -tropism_gravity 2 -tropism_direction 0,1 -tropism_proprioception 1", (1, 2)),
     "meets itself": ("-growth_type apical -growth_zone 0.4 -growth_initial_length 0.5 -shape_type straight -friction_mu 0.5 "
                      "-tropism_nutation 9 -tropism_proprioception 0.5 -growth_ironing 1 -contact_self -contact_diameter 0.1 "
@@ -415,7 +416,7 @@ def draw_block(ax, found, methods):
 
 def draw_map(found, base):
     """Above, the cells, then those in space; below, the settings of some methods on one rod, and exact friction."""
-    rows = {SPACE: 1, BOUND: 1, SENSING: 1, **dict.fromkeys((*SETTINGS, EXACT), 2)}
+    rows = {SPACE: 1, BOUND: 1, **dict.fromkeys((*SETTINGS, SENSING, EXACT), 2)}
     blocks = [sorted((f for f in found if rows.get(f[1], 0) == row), key=lambda f: f[1] == EXACT) for row in range(3)]
     blocks = [b for b in blocks if b]
     methods = [[m for m in METHODS if any(f[0] == m for f in b)] for b in blocks]

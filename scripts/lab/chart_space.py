@@ -249,7 +249,7 @@ SETTINGS = {
         (320, "3e5", "1e-5"))],
     ("helix", "PyElastica"): [f"-elements {n}" for n in (50, 100, 200)],
     ("root", "tendril"): [f"-rod_cells {n} -ts_rtol {r}" for n, r in ((4, "1e-2"), (4, "1e-4"), (6, "1e-6"), (12, "1e-8"))],
-    ("root", "PyElastica"): ["-elements 10", "-elements 20", "-elements 40 -dt 1e-4", "-elements 40 -dt 1e-4 -slow 160"],
+    ("root", "PyElastica"): ["-elements 10", "-elements 20", "-elements 40 -dt 1e-4"],
     ("injected", "tendril"): [f"-rod_cells {n} -ts_rtol {r}" for n, r in (
         (100, "1e-4"), (100, "1e-5"), (150, "1e-5"), (200, "1e-5"), (300, "1e-5"), (500, "1e-5"))] + [FINEST],
 }

@@ -72,7 +72,7 @@ for file in options/*.opts; do
     files=(results/root-upright.h5 "${files[@]}" results/root-skewed.h5)
     what=(--panels shapes --times 24h,48h --titles "tilted by 15°,by 45°,by 45° and twisted by nature")
     ;;
-  root-stone) what=(--panels shapes,bends --times 0.6,1,1.5,4) ;;
+  root-stone) what=(--panels shapes,length,bends,growth --times 0.6,1.7,2.2,7) ;;
   tendril-post) what=(--panels space,portrait --times 3,8 --view 30,15) ;;
   shoot-light) what=(--panels shapes,bends,growth,portrait --times 0,1,2,3) ;;
   shoot-*) what=(--panels shapes,curvature --times 0,0.5,1,2,3) ;;

@@ -28,7 +28,9 @@ def unit_of(values: Values):
 
 def shown(values: Values, most=None):
     """(what its numbers are multiplied by in words and pictures, the name of the unit they then have):
-    centimetres for metres, where that suits."""
+    centimetres for metres, where that suits, degrees for radians."""
+    if values.unit == "rad":
+        return np.degrees(1.0), "deg"
     if values.unit not in KINDS:
         return 1, unit_of(values)
     name, si = suited_to(KINDS[values.unit], np.nanmax(np.abs(values.numbers)) if most is None else most)
@@ -219,7 +221,8 @@ def draw_residuals(ax, fit: Found):
     ax.plot(x, stats.norm.pdf(x), color=BLUE, lw=0.8)
     ax.set_xlabel("residual over its error")
     ax.set_yticks([])
-    ax.set_title("residuals, correlation taken out", fontsize=8)
+    evenly = any(block.evenly for block in fit.problem.errors.blocks)
+    ax.set_title("residuals" if evenly else "residuals, correlation taken out", fontsize=8)
 
 
 def draw(fit: Found, most=7):

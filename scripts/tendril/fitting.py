@@ -37,7 +37,7 @@ from .noise import Certainty, certainty
 from .parameters import Parameter, Prior
 from .problem import Problem, Solution
 from .profiles import followed_out
-from .starting import starting_points
+from .starting import exchanged, starting_points
 from .units import PIXEL
 
 SEARCH, COARSEST = 30, 0.1  # the search for a start is made with so many times the error of the final runs, and no more
@@ -210,6 +210,9 @@ def search(problem: Problem, starts, accuracy, seed, tell):
         if agreed or starts == 0:
             break
         points = starting_points(problem, max(starts, 1) * 2 ** (doubling + 1), seed + doubling + 1)[1:]
+    if (other := exchanged(problem, ends[0].u)) is not None:
+        problem.run([other])
+        ends = sorted(ends + followed(problem, [other]), key=lambda s: s.cost)
     if all(s.flat for s in ends):
         raise TendrilError(f"fit: {', '.join(p.name for p in problem.parameters)}: changes nothing of what was measured; a rod "
                            "that is straight by nature stays straight: look for rod_curvature, too, or give it")
@@ -227,7 +230,17 @@ def less_likely(errors, raw, errors_before, raw_before):
 def certain(problem: Problem, best: Solution, tell):
     """(the least cost, what is known of it); where the linearised problem tells next to nothing, by the cost itself."""
     best, known, rises = settled(problem, best, tell)
+    other = exchanged_end(problem, best)
+    if other and other.cost < best.cost - BETTER:
+        tell("memory and proprioception exchanged fit better")
+        best, known, rises = settled(problem, other, tell)
+        other = exchanged_end(problem, best)
     ends = followed_out(problem, best, known, rises, tell)
+    if other and other.cost < best.cost + max(rises):
+        half = known.reach * np.sqrt(np.diag(known.covariance))
+        for k in range(len(problem.parameters)):
+            low, high = ends.get(k, (best.u[k] - half[k], best.u[k] + half[k]))
+            ends[k] = min(low, max(other.u[k] - half[k], 0.0)), max(high, min(other.u[k] + half[k], 1.0))
     if not ends:
         return best, known
     half = known.reach * np.sqrt(np.diag(known.covariance))
@@ -236,6 +249,16 @@ def certain(problem: Problem, best: Solution, tell):
         if 0 < low and high < 1:  # else nothing shows how far it would go on
             part[k] = min(1.0, 0.5 * (high - low) / half[k])
     return best, Certainty(known.covariance * np.outer(part, part), known.reach, ends)
+
+
+def exchanged_end(problem: Problem, best: Solution):
+    """Of roots that remember, the least cost on the other side, where memory and straightening have changed places; None where
+    that is the same side."""
+    there = exchanged(problem, best.u)
+    if there is None:
+        return None
+    end = problem.solve(there, 1e-3)
+    return None if np.abs(end.u - best.u)[:len(problem.parameters)].max() < TOGETHER else end
 
 
 def settled(problem: Problem, best: Solution, tell, most=3):

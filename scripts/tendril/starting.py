@@ -8,8 +8,9 @@ from scipy import stats
 from .comparing import Comparison, time_of
 from .errors import RunError
 from .problem import Problem
-from .results import Results
+from .results import Results, as_text
 from .runs import critical
+from .units import in_si
 
 # the power of the unit of length that each goes with
 SCALES = {"si_bending_stiffness": 3, "si_friction_dry": -3, "si_friction_viscous": -3}
@@ -43,6 +44,30 @@ def theory_start(problem: Problem, u):
     value = p.value(u[k]) * (bent / c.length) ** SCALES[p.name]
     moved = np.array(u)
     moved[k] = np.clip(p.inside(np.clip(value, p.low, p.high)), 0.02, 0.98)
+    return moved
+
+
+def exchanged(problem: Problem, u):
+    """The point at which a root remembers for as long as it took to straighten, and straightens as fast as it forgot: two delays
+    in a row, of which the tip's angle hardly tells which comes first, so that the cost has a minimum for each. None where not
+    both are looked for."""
+    names = [p.name for p in problem.parameters]
+    about, looked = problem.rod(u), ("tropism_proprioception", "tropism_memory")
+    if not set(looked) <= set(names) or as_text(about.get("parameters/growth_type", "")) != "apical":
+        return None
+    straightens, remembers = (names.index(name) for name in looked)
+    memory = problem.parameters[remembers]
+    one = in_si(memory.unit) / about["si_time"] if memory.unit else 1.0  # of the memory's unit, in the run's
+    zone = float(about["parameters/growth_zone"])  # in the time in which as much has grown
+    G, T = (max(float(problem.parameters[k].value(u[k])), 1e-6) for k in (straightens, remembers))
+    values = {straightens: zone / (T * one), remembers: zone / (G * one)}
+    if "tropism_gravity" in names:  # the first bend stays as fast
+        k = names.index("tropism_gravity")
+        values[k] = float(problem.parameters[k].value(u[k])) * values[remembers] / T
+    moved = np.array(u, float)
+    for k, value in values.items():
+        p = problem.parameters[k]
+        moved[k] = np.clip(p.inside(np.clip(value, p.low, p.high)), 0.02, 0.98)
     return moved
 
 

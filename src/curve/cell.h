@@ -5,6 +5,7 @@
 #define TENDRIL_CURVE_CELL_H
 
 #include "base/hermite.h"
+#include "base/plane.h"
 #include "base/vectors.h"
 
 /*
@@ -56,6 +57,10 @@ static inline PetscReal CurveMid(PetscReal k, PetscReal a, PetscReal slope_a, Pe
 /* CurveMidOf - what one end gives to that, where it is summed up end by end; k is -h/8 of b. */
 static inline PetscReal CurveMidOf(PetscReal k, PetscReal a, PetscReal slope_a) {
   return a / 2 + k * slope_a;
+}
+
+static inline Vector2 CurveMidOf2(PetscReal k, Vector2 a, Vector2 slope_a) {
+  return Along2(Over2(a, 2), k, slope_a);
 }
 
 /* The cubic of a cell, and how it moves. */

@@ -155,7 +155,7 @@ typedef struct {
   PlaneNode node;
   PetscReal g, g_t, c, strain; /* stretch, its rate, slide, rate of the material's stretch */
   PetscReal k0, k0_t, B, B_t; /* natural curvature and stiffness, and their rates in the material */
-  PetscReal F[2];             /* the load of friction along the rod */
+  PetscReal F[RUBS];          /* the load of friction along the rod */
   const PetscReal *push;      /* the force of contact per length, NULL: none */
   const NodeLearned *learned; /* of the material there */
   PetscReal drive, ironing;   /* Dk/Dt of that, and the part of ironing */
@@ -195,7 +195,7 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
     p->at.x[d] = p->node.x[d];
     p->at.v[d] = p->node.x_t[d] + p->c * p->at.q[d];
   }
-  LoadSeen(&scene->load, &p->at, p->F);
+  LoadSeen(2, &scene->load, &p->at, p->F);
   PetscFunctionReturn(0);
 }
 

@@ -11,6 +11,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from interpreter import ROOT, from_venv
@@ -21,7 +22,7 @@ try:
     import numpy as np
 
     import tendril
-    from tendril import fit_command, measured, noise, problem, profiles
+    from tendril import doubts, fit_command, measured, noise, problem, profiles, starting
     from tendril.parameters import Parameter
 except ImportError as error:
     from_venv(error)
@@ -175,6 +176,20 @@ class Evenly(unittest.TestCase):
         self.assertGreaterEqual(held, 17)  # independent errors alone would make it a tenth as wide
 
 
+class Exchanged(unittest.TestCase):
+    def test_two_delays(self):
+        """Memory and straightening change places, in the bounds' units; twice is once."""
+        names = {"tropism_gravity": ("1/mm", "50/mm"), "tropism_proprioception": (0.1, 50), "tropism_memory": ("0.1h", "20h"), "friction_mu": (0, 1)}
+        parameters = [Parameter.of(name, bounds) for name, bounds in names.items()]
+        about = {"parameters/growth_type": "apical", "parameters/growth_zone": 0.6, "si_time": 36000.0}
+        p = mock.Mock(parameters=parameters, rod=lambda u: about)
+        u = np.array([q.inside(value) for q, value in zip(parameters, (4, 5, 2, 0.3))])
+        other = starting.exchanged(p, u)  # G = 0.6/0.2, T = 0.6/5 of 10 h
+        np.testing.assert_allclose([float(q.value(x)) for q, x in zip(parameters, other)], [2.4, 3, 1.2, 0.3])
+        np.testing.assert_allclose(starting.exchanged(p, other), u)
+        self.assertIsNone(starting.exchanged(mock.Mock(parameters=parameters[:2], rod=lambda u: about), u[:2]))
+
+
 class Roots(InAPlace):
     @classmethod
     def setUpClass(cls):
@@ -211,12 +226,42 @@ class Roots(InAPlace):
 
     def test_a_fit_without_proprioception_is_called_bad(self):
         """And what is missing is named: with it the residuals fall."""
-        f = tendril.fit(ROOTS | {"tropism_proprioception": 0}, self.table(0.5, columns=("tip",)), {"tropism_gravity": (0.5, 16)}, starts=0,
-                        progress=False, **COARSE)
+        with mock.patch.object(doubts, "CAUSES", []), mock.patch.object(doubts, "of_angles", list):  # these are tried elsewhere
+            f = tendril.fit(ROOTS | {"tropism_proprioception": 0}, self.table(0.5, columns=("tip",)), {"tropism_gravity": (0.5, 16)}, starts=0,
+                            progress=False, **COARSE)
         said = "\n".join(f.warnings)
         self.assertFalse(f.trusted)
         self.assertRegex(said, "a bad fit: tip_angle is off the best scene's by")
         self.assertRegex(said, "likeliest cause: the scene, in which nothing straightens what is bent .no proprioception.")
+
+    def test_angles_that_count_otherwise(self):
+        """From x2, or with the other sign, or in radians under degrees: each is tried, and is what the data would be without."""
+        data = measured.gather(self.table(columns=("tip",)))
+        angles, found = data.curves[0].values.numbers, {}
+        for cause in doubts.of_angles():
+            found[cause.words] = doubts.changed(data, cause.change).curves[0].values.numbers
+        for word, expected in (("other sign", -angles), ("less the angle", np.pi / 2 - angles), ("the angle less 90", angles - np.pi / 2),
+                               ("heading says radians", angles * DEGREE), ("heading says degrees", angles / DEGREE)):
+            (values,) = (values for words, values in found.items() if word in words)
+            np.testing.assert_allclose(values, expected)
+        rows = [row.split(",") for row in self.table(0.3, columns=("tip",)).read_text().splitlines()]
+        upside = self.file("\n".join(",".join([t, a if a.startswith("tip") else repr(-float(a))]) for t, a in rows))
+        with mock.patch.object(doubts, "CAUSES", []), mock.patch.object(doubts, "laws_of", lambda _: []):
+            f = tendril.fit(ROOTS, upside, {"tropism_gravity": (2, 6)}, starts=1, progress=False, **COARSE)
+        self.assertRegex("\n".join(f.warnings), "likeliest cause: the angles have the other sign")
+
+    def test_sweeps_have_the_series_of_growth_that_senses(self):
+        """As single runs do; of a member that does not sense they are no series."""
+        with tempfile.TemporaryDirectory() as place:
+            s = tendril.sweep({k: v for k, v in ROOTS.items() if not k.startswith("tropism_")}, directory=place, progress=False, ts_max_time=0.3,
+                              over={"tropism_gravity": [2, 4]}, tropism_direction="0,1", tropism_sensed="tip", **COARSE)
+            for b, r in zip((2, 4), s.members):
+                own = tendril.run({k: v for k, v in ROOTS.items() if not k.startswith("tropism_")}, progress=False, ts_max_time=0.3,
+                                  tropism_gravity=b, tropism_direction="0,1", tropism_sensed="tip", **COARSE)
+                np.testing.assert_array_equal(r.series.tip_angle, own.series.tip_angle)
+                self.assertEqual(set(r.series), set(own.series))
+            self.assertIn("tip_angle", s.dataset())
+            self.assertNotIn("writhe", s.dataset())
 
     def test_derivatives_of_all_numbers(self):
         """What runs tell by each number of growth that senses is what differences between them are."""
@@ -261,7 +306,7 @@ class Roots(InAPlace):
             self.assertEqual(fit_command.main([str(scene), str(data), "-p", "tropism_gravity=1:16", "--starts", "0", "--accuracy", "3e-3",
                                                "--output", str(out), "--", "-ts_rtol", "3e-4"]), 0)
         self.assertRegex(said.getvalue(), r"(?m)^tropism_gravity +\d.*to")
-        self.assertRegex(said.getvalue(), "noise of tip_angle: 0")
+        self.assertRegex(said.getvalue(), r"noise of tip_angle: 0\.\d+ deg")
         self.assertIn("-tropism_gravity", out.with_suffix(".opts").read_text())
         self.assertTrue(out.with_suffix(".png").exists())
 

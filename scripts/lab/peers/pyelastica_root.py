@@ -24,11 +24,14 @@ import numpy as np
 
 
 def arguments(words):
-    options = {"elements": "40", "dt": "2e-4", "slow": "40", "damping": "8", "radius": "0.02", "tropism_gravity": "2",
+    options = {"elements": "40", "dt": "2e-4", "slow": "20", "damping": "0.5", "radius": "0.02", "tropism_gravity": "2",
                "growth_initial_length": "1", "ts_max_time": "1"}
     for name, value in zip(words[::2], words[1::2]):
         options[name.lstrip("-")] = value
     return {name: float(value) for name, value in options.items()}
+
+
+SIDE = 1.0  # a positive curvature about the first director, x3, turns the tangent to x2
 
 
 class Learn(ea.NoForces):
@@ -48,21 +51,13 @@ class Learn(ea.NoForces):
             rate = o["ts_max_time"] / o["slow"] / self.last / length  # strain rate of growth
         along = system.director_collection[2]  # d3 is the tangent
         sensed = -o["tropism_gravity"] * self.last * along[0, -1]  # turns it to -x2
-        bend = system.kappa[0]
-        sign = self.sign
-        system.rest_kappa[0] += dt * rate * (sign * sensed - bend)
+        system.rest_kappa[0] += dt * rate * (SIDE * sensed - system.kappa[0])
         system.rest_lengths[:] = length / len(system.rest_lengths)
         system.rest_voronoi_lengths[:] = length / len(system.rest_lengths)
 
 
 class Simulation(ea.BaseSystemCollection, ea.Constraints, ea.Forcing, ea.Damping):
     pass
-
-
-def turn_of(kappa):
-    """To which side a positive rest curvature about the first director turns the tangent, d3: d3' = kappa x d3."""
-    first, third = np.array([0, 0, 1.0]), np.array([1.0, 0, 0])
-    return float(np.sign(np.cross(kappa * first, third)[1]))
 
 
 def build(o):
@@ -73,7 +68,6 @@ def build(o):
     simulation = Simulation()
     simulation.append(rod)
     simulation.constrain(rod).using(ea.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,))
-    Learn.sign = turn_of(1.0)
     simulation.add_forcing_to(rod).using(Learn, o)
     simulation.dampen(rod).using(ea.AnalyticalLinearDamper, damping_constant=o["damping"], time_step=o["dt"])
     simulation.finalize()
@@ -83,7 +77,7 @@ def build(o):
 def run(o, most_steps=None):
     simulation, rod = build(o)
     stepper, dt = ea.PositionVerlet(), o["dt"]
-    steps = most_steps or int(np.ceil((o["slow"] + 8) / dt))  # and it comes to rest
+    steps = most_steps or int(np.ceil((o["slow"] + 4) / dt))  # and it comes to rest
     begin = time.perf_counter()
     for k in range(steps):
         stepper.step(simulation, np.float64(k * dt), np.float64(dt))

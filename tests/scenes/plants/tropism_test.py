@@ -290,6 +290,41 @@ def a_root_that_winds_up_does_so_in_space_and_in_the_mirror():
     near("in the mirror", -mirror.tip_x2[-1], r.tip_x2[-1], 1e-12)
 
 
+# --- what touches something else (the scenes of the gallery, on coarser meshes) ------------------
+
+@check
+def a_root_stalls_at_a_stone_goes_round_it_and_keeps_the_bend():
+    r = Run("-options_file options/root-stone.opts -ts_max_time 4 -rod_cells 60")
+    stalled = np.interp([1, 1.6], r.t, r.length)
+    expect(np.ptp(stalled) < 0.01 and r.length[-1] > stalled[0] + 1.5, f"length {stalled}, at the end {r.length[-1]}")
+    expect(r.tip_x1[-1] > 2.8 and abs(r.tip_x2[-1]) > 0.5, f"the tip is at {r.tip}")
+    bend = r.shapes["natural_curvature"][-1]
+    expect(np.abs(bend[r.shapes["x"][-1, :, 0] < 1.7]).max() > 0.5, "it has not kept the bend")
+    expect(r.energy_defect[-1] < 2e-3, f"the balance of energy is off by {r.energy_defect[-1]:g}")
+
+
+@check
+def a_root_waves_on_a_tilted_plate_and_not_on_an_upright_one():
+    """Its direction along the plate goes to both sides, and back."""
+    for tilt, direction in ((45, "1,0,-1"), (10, "0.985,0,-0.174")):
+        r = Run(f"-options_file options/root-waving.opts -rod_cells 50 -ts_max_time 34h -ts_rtol 1e-3 -tropism_direction {direction}")
+        d = r.shapes["d1"][-1]
+        angle = np.arctan2(d[:, 1], d[:, 0])
+        sides = angle[angle.argmax():].min(), angle[angle.argmin():].max()
+        if tilt == 45:
+            expect(angle.min() < -0.5 and angle.max() > 0.5 and sides[1] > 0.5, f"{angle.min()}, {angle.max()}, {sides}")
+        else:
+            expect(np.abs(angle).max() < 0.2, f"upright it turns by {np.abs(angle).max()}")
+
+
+@check
+def a_shoot_that_circles_twines_round_a_post():
+    r = Run("-options_file options/tendril-post.opts -rod_cells 40 -ts_max_time 4 -ts_rtol 1e-3")
+    x = r.shapes["x"][-1]
+    around = np.unwrap(np.arctan2(x[:, 2] - 0.25, x[:, 1] - 0.5))
+    expect(np.ptp(around) > 4 * pi and r.contact_force[-1] > 0.5, f"{np.ptp(around) / 2 / pi} turns, {r.contact_force[-1]}")
+
+
 @check
 def options_that_say_nothing_are_refused():
     for options, word in (("-tropism_gravity 1", "-tropism_direction"), ("-tropism_light 1", "-tropism_source"),
