@@ -123,12 +123,11 @@ static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBo
 
   if (begins || halves) self->halved = residual;
   self->stalled = begins || halves ? 0 : self->stalled + 1;
-  self->diverging =
-      !begins && residual > step_rule.diverges * self->guess ? self->diverging + 1 : 0;
+  self->diverges = !begins && residual > step_rule.diverges * self->guess ? self->diverges + 1 : 0;
   return (PetscBool)(RodTouches(self->rod) &&
                      (cut ? self->stalled >= step_rule.stalls_iterations
                           : it >= step_rule.diverges_earliest &&
-                                self->diverging >= step_rule.diverges_times));
+                                self->diverges >= step_rule.diverges_times));
 }
 
 /* The speed at which a place that is held must creep to be seen in this step: to go as far as the

@@ -24,7 +24,7 @@ typedef struct {
   PetscReal guess;            /* the largest residual of the guess */
   PetscReal halved;           /* the largest residual when it last had halved */
   PetscInt stalled;           /* how many iterations ago that was */
-  PetscInt diverging;         /* for how many it has been far above that of the guess */
+  PetscInt diverges;          /* for how many it has been far above that of the guess */
   PetscInt holds;             /* how often sticking points were held anew */
   PetscInt waits;             /* how many iterations forces have been waited for */
 } Newton;
