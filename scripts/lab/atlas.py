@@ -160,8 +160,7 @@ BOUNDS = {  # label: (options, times)
 
 
 SENSING = "growth that senses"
-SENSING_METHODS = ("default", "frame 2", "PETSc's bdf 5", "backward Euler, start extrapolated", "primal Newton", "backtracking", "MUMPS",
-                   "GMRES, ILU")
+SENSING_METHODS = ("default",)
 ROOT_GROWS = "-growth_type apical -growth_zone 0.6 -growth_initial_length 1 -shape_type straight -friction_mu 0.5 -tropism_direction 0,-1 "
 SENSES = {  # label: (options, times)
     "strong, at the tip": (f"{ROOT_GROWS}-tropism_gravity 30 -tropism_proprioception 3 -tropism_sensed tip", (0.5, 1)),
@@ -417,7 +416,7 @@ def draw_block(ax, found, methods):
 
 def draw_map(found, base):
     """Above, the cells, then those in space; below, the settings of some methods on one rod, and exact friction."""
-    rows = {SPACE: 1, BOUND: 1, SENSING: 1, **dict.fromkeys((*SETTINGS, EXACT), 2)}
+    rows = {SPACE: 1, BOUND: 1, **dict.fromkeys((*SETTINGS, SENSING, EXACT), 2)}
     blocks = [sorted((f for f in found if rows.get(f[1], 0) == row), key=lambda f: f[1] == EXACT) for row in range(3)]
     blocks = [b for b in blocks if b]
     methods = [[m for m in METHODS if any(f[0] == m for f in b)] for b in blocks]

@@ -4,7 +4,7 @@ the run tells of its errors.
 
     growth_exact.py EXE [--only WORD] [--rtol 1e-7]
 
-Stiff rods (B = 1e6) have their natural shape; of straight ones the length is asked for."""
+Stiff rods (B = 1e9) have their natural shape; of straight ones the length is asked for."""
 
 import argparse
 import subprocess
@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 
 SMALL = 1e-4                 # an angle that is linear
-STIFF = 1e6
+STIFF = 1e9
 
 
 def last(run, name):

@@ -58,18 +58,18 @@ def run(tilt):
 
 
 def draw(rows):
-    waves = [row for row in rows if row["along_rod"] and not int(row["coils"])]
+    waves = [row for row in rows if int(row["waves"]) > 1 and not int(row["coils"])]
     figure, ax = plt.subplots(figsize=(5, 3.2), layout="constrained")
     tilt = [float(row["tilt"]) for row in waves]
     for name, label, style in (("along_rod", "along the root", "o-"), ("along_plate", "down the plate", "s--")):
         ax.errorbar(tilt, [float(row[name]) for row in waves], yerr=[float(row["error"]) for row in waves], fmt=style, capsize=3, ms=4,
                     label=label)
-    low = max((float(row["tilt"]) for row in rows if not row["along_rod"]), default=0)
-    high = min((float(row["tilt"]) for row in rows if int(row["coils"])), default=90)
+    low = max((float(row["tilt"]) for row in rows if float(row["tilt"]) < min(tilt)), default=0)
+    high = min((float(row["tilt"]) for row in rows if float(row["tilt"]) > max(tilt)), default=90)
     ax.axvspan(0, (low + min(tilt)) / 2, color="#eeeeee")
     ax.axvspan((high + max(tilt)) / 2, 90, color="#f3e3d3")
     ax.text(2, 0.1, "straight", fontsize=9)
-    ax.text(88, 0.1, "coils", fontsize=9, ha="right")
+    ax.text(88, 0.1, "loops,\ncoils", fontsize=9, ha="right")
     ax.set(xlim=(0, 90), ylim=(0, None), xlabel="tilt of the plate from the vertical (degrees)", ylabel="length of a wave (mm)")
     ax.legend(frameon=False)
     figure.savefig(TABLE.with_suffix(".png"), dpi=150)

@@ -31,7 +31,7 @@ FRAMES = 240  # of a branch that are kept, to be looked at
 TOUCH = 0.35  # seconds in which what is dragged comes to where it was dragged
 SLOW = 0.7  # seconds: a step that takes longer is told
 LOOKS = 1 / 30  # seconds between looks, at least: who looks sees no more
-LOOK_AT_MOST = 0.04  # of the time of computing, for looks, where the run does not wait anyway
+LOOK_AT_MOST = 0.025  # of the time of computing, for looks, where the run does not wait anyway; to send them takes as much
 FAST = 30  # times the speed of growing: a place as fast snaps
 
 
@@ -97,7 +97,7 @@ class Session:
                                   "high": 3.1416, "unit": "rad", "of": "tropism_direction"})
         self.replay_values([])
         # seconds: since when a step is under way; that it has run, has kept states, that keeping one takes
-        self.busy_since, self.lived, self.keeping, self.to_keep, self.states = None, 0.0, 0.0, 0.03, 0
+        self.busy_since, self.lived, self.keeping, self.to_keep, self.states = None, 0.0, 0.0, 0.1, 0
         self.kept_at = self.stepped = time.monotonic()
         self.rates = deque(maxlen=400)  # (when, iterations)
         self.before = None  # nodes of the step before

@@ -5,6 +5,7 @@
 #define TENDRIL_CURVE_CELL_H
 
 #include "base/hermite.h"
+#include "base/plane.h"
 #include "base/vectors.h"
 
 /*
@@ -27,6 +28,10 @@ static inline void CurveParabola(PetscReal z, PetscReal value[3], PetscReal slop
 /* CurveSum - of the values, those of a law at the three points of a cell, by their parts. */
 static inline PetscReal CurveSum(const PetscReal part[3], const PetscReal at[3]) {
   return part[0] * at[0] + part[1] * at[1] + part[2] * at[2];
+}
+
+static inline Vector2 CurveSum2(const PetscReal part[3], Vector2 a, Vector2 mid, Vector2 b) {
+  return Along2(Along2(Times2(part[0], a), part[1], mid), part[2], b);
 }
 
 /* CurveBetween - the parabola at z. */
@@ -56,6 +61,10 @@ static inline PetscReal CurveMid(PetscReal k, PetscReal a, PetscReal slope_a, Pe
 /* CurveMidOf - what one end gives to that, where it is summed up end by end; k is -h/8 of b. */
 static inline PetscReal CurveMidOf(PetscReal k, PetscReal a, PetscReal slope_a) {
   return a / 2 + k * slope_a;
+}
+
+static inline Vector2 CurveMidOf2(PetscReal k, Vector2 a, Vector2 slope_a) {
+  return Along2(Over2(a, 2), k, slope_a);
 }
 
 /* The cubic of a cell, and how it moves. */

@@ -8,7 +8,7 @@ static PetscErrorCode Again(Tendril self) {
   UserCheck(!self->scene->changes || !self->scene->changes->done, self->comm,
             "no way is found in contact that gets firmer where the rod is pressed in, and what was "
             "changed in the run keeps it from beginning again: give -contact_stiffness");
-  PetscCall(GrowAnew(self->grow));
+  PetscCall(GrowStartOver(self->grow));
   PetscCall(GrowCreate(self->grow, "", ""));
   ColumnsBegin(&self->series);
   PetscFunctionReturn(0);

@@ -67,22 +67,25 @@ typedef struct {
 } Approach;
 
 /* The point of segment ab nearest to c: its place z in [0,1], and its distance. */
-static PetscReal PointDistance(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
-                               PetscReal *z) {
-  PetscReal e[2] = {b[0] - a[0], b[1] - a[1]}, o[2] = {c[0] - a[0], c[1] - a[1]};
-  PetscReal ee = e[0] * e[0] + e[1] * e[1];
-  *z = ee > 0 ? PetscMin(1, PetscMax(0, (e[0] * o[0] + e[1] * o[1]) / ee)) : 0;
-  return hypot(o[0] - *z * e[0], o[1] - *z * e[1]);
+static PetscReal PointDistance(Vector2 a, Vector2 b, Vector2 c, PetscReal *z) {
+  const Vector2 e = Minus2(b, a), o = Minus2(c, a);
+  const PetscReal ee = Dot2(e, e);
+
+  *z = ee > 0 ? PetscMin(1, PetscMax(0, Dot2(e, o) / ee)) : 0;
+  return Size2(Along2(o, -*z, e));
 }
 
-/* The distance between segments ab and cd, 0 where they cross, and the places z on them. */
-static PetscReal SegmentDistance(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
-                                 const PetscReal d[2], PetscReal z[2]) {
-  PetscReal r[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {d[0] - c[0], d[1] - c[1]},
-            o[2] = {c[0] - a[0], c[1] - a[1]}, det = r[0] * q[1] - r[1] * q[0], best, at, now;
+/* The distance between two segments from nodes to those behind them, 0 where they cross, and the
+   places z on them. */
+static PetscReal SegmentDistance(const Node *ab, const Node *cd, PetscReal z[]) {
+  const Vector2 a = From2(ab[0].x), b = From2(ab[1].x), c = From2(cd[0].x), d = From2(cd[1].x),
+                r = Minus2(b, a), q = Minus2(d, c), o = Minus2(c, a);
+  const PetscReal det = Cross2(r, q);
+  PetscReal best, at, now;
+
   if (det != 0) {
-    z[0] = (o[0] * q[1] - o[1] * q[0]) / det;
-    z[1] = (o[0] * r[1] - o[1] * r[0]) / det;
+    z[0] = Cross2(o, q) / det;
+    z[1] = Cross2(o, r) / det;
     if (z[0] >= 0 && z[0] <= 1 && z[1] >= 0 && z[1] <= 1) return 0;
   }
   best = PointDistance(c, d, a, &z[1]);
@@ -106,16 +109,15 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
   PetscReal z[2], distance;
 
   if (j <= i + 1 || self->p[j] - self->p[i + 1] < self->apart) return;
-  distance = SegmentDistance(a[0].x, a[1].x, c[0].x, c[1].x, z);
+  distance = SegmentDistance(a, c, z);
   if (distance > self->diameter || distance >= self->nearest) return;
   self->nearest = distance;
   self->event->kind = EVENT_SELF_CONTACT;
   self->event->s[0] = self->s[i] + z[0] * (self->s[i + 1] - self->s[i]);
   self->event->s[1] = self->s[j] + z[1] * (self->s[j + 1] - self->s[j]);
-  for (int d = 0; d < 2; d++)
-    self->event->x[d] =
-        (a[0].x[d] + z[0] * (a[1].x[d] - a[0].x[d]) + c[0].x[d] + z[1] * (c[1].x[d] - c[0].x[d])) /
-        2;
+  const Vector2 on_a = Along2(From2(a[0].x), z[0], Minus2(From2(a[1].x), From2(a[0].x)));
+  Put2(Over2(Along2(Plus2(on_a, From2(c[0].x)), z[1], Minus2(From2(c[1].x), From2(c[0].x))), 2),
+       self->event->x);
 }
 
 /*
@@ -138,8 +140,7 @@ PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nod
   PetscCall(PetscMalloc1(cells + 1, &self.p));
   self.p[0] = 0;
   for (PetscInt i = 0; i < cells; i++)
-    self.p[i + 1] =
-        self.p[i] + hypot(nodes[i + 1].x[0] - nodes[i].x[0], nodes[i + 1].x[1] - nodes[i].x[1]);
+    self.p[i + 1] = self.p[i] + Size2(Minus2(From2(nodes[i + 1].x), From2(nodes[i].x)));
   PetscCall(BlocksOfLine(2, cells, NODE_VALUES, nodes[0].x, NULL, &line));
   BlocksPairs(line, diameter, TooNear, Meet, &self);
   PetscCall(BlocksDestroy(&line));

@@ -118,6 +118,9 @@ enum { BALANCE_STATE = BALANCE_PARTS * BALANCE_POINTS + BALANCE_SUMS + 1 };
 
 PetscInt ObservedOf(Scene scene);
 PetscBool ObservedIn(Scene scene, PetscInt observed);
+PetscErrorCode ObservePlane(Scene scene, PetscReal t, PetscInt first, PetscInt end,
+                            const Node *node, const PetscReal (*push)[PUSH], const PetscReal tip[],
+                            PetscInt n, const TouchFeet *feet, PetscReal lift, Observation *seen);
 PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt end,
                             const Node node[], const SampleLaw law[], const PetscReal (*push)[PUSH],
                             const PetscReal contact[PUSH], PetscInt n, const TouchFeet feet[],
@@ -134,8 +137,8 @@ PetscErrorCode ObserverLookMoving(Observer observer, Rod rod, PetscReal t, Vec U
                                   Observation *seen);
 PetscErrorCode ObserverMeasure(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t, Leg *leg,
                                Observation *seen);
-PetscErrorCode ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
-PetscErrorCode ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);
+void ObserverGetBalance(Observer observer, PetscReal state[BALANCE_STATE]);
+void ObserverSetBalance(Observer observer, const PetscReal state[BALANCE_STATE]);
 void ObserverClose(Observer observer, const Observation *last, PetscBool broken);
 
 #endif

@@ -63,7 +63,7 @@ static void Learned3(Scene scene, PetscReal t, const NodeLearned *learned, Sampl
 static void Rub(Scene scene, Sample3 *p) {
   p->spin = p->turns + p->law.c * p->u[0];
   p->at.v[SPIN] = scene->load.arm * p->spin;
-  LoadSeen3(&scene->load, &p->at, p->F);
+  LoadSeen(3, &scene->load, &p->at, p->F);
 }
 
 /* SampleFill3 - what follows at a point from its node and the laws. */

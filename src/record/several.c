@@ -313,8 +313,9 @@ PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, P
   if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OutputOnGrid(t, interval)) shapes--;
   for (PetscInt k = 0; k < self->n; k++) {
     Output one = self->each[k];
-    PetscCall(PetscCalloc1(rows, &one->series));
-    one->series_n = one->series_room = rows;
+    PetscCall(OutputRoom(one, rows));
+    PetscCall(PetscArrayzero(one->series, rows));
+    one->series_n = rows;
     one->shapes_n = one->shapes_room = one->times_n = one->times_room = shapes;
     PetscCall(PetscMalloc1(shapes, &one->times));
     PetscCall(PetscArraycpy(one->times, times, shapes));

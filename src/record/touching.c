@@ -46,27 +46,14 @@ PetscErrorCode TouchingDestroy(Touching *touching) {
 
 /* A collocation point: what walls need to know of it. */
 typedef struct {
-  PetscReal s, g, weight, strain, x[3], v[2]; /* x3 = 0 */
-  PetscReal enters; /* at the clamp: the length that comes in there in a unit of time; else 0 */
+  PetscReal s, x[3], v[3]; /* x3 = 0 */
+  PetscReal length, length_t;
 } Spot;
-
-/* The laws at a point, and its velocity from the rate of x. */
-static PetscErrorCode SpotLaws(Scene scene, PetscReal t, const PetscReal x_t[2], PetscReal theta,
-                               PetscReal g_t, PetscBool moves, Spot *spot) {
-  PetscReal c = moves ? GrowthSlide(scene->growth, spot->s, t) : 0;
-
-  PetscFunctionBegin;
-  spot->strain = GrowthStrain(scene->growth, spot->s, t, g_t);
-  spot->enters = spot->s > 0 ? 0 : c;
-  spot->v[0] = x_t[0] + c * PetscCosReal(theta);
-  spot->v[1] = x_t[1] + c * PetscSinReal(theta);
-  PetscFunctionReturn(0);
-}
 
 /* By how much the angle in the middle of a cell is more than the mean of its ends', which counts
    where material slides along a wall that rubs: h/8 (theta'_a - theta'_b). */
 static PetscErrorCode Bow(const Touching self, PetscReal t, const Node *nodes, PetscInt i,
-                          const PetscReal g[2], PetscReal *bow) {
+                          const PetscReal g[], PetscReal *bow) {
   const Scene scene = self->scene;
   const PetscReal *s = self->s + i, h = s[1] - s[0];
 
@@ -83,76 +70,86 @@ static PetscErrorCode Bow(const Touching self, PetscReal t, const Node *nodes, P
   PetscFunctionReturn(0);
 }
 
-/* Node i; or the middle of the cell behind it, y = (y_a + y_b)/2 + h/8 (y'_a - y'_b). */
+/* The place and its rate in the middle of a cell, y = (y_a + y_b)/2 + h/8 (y'_a - y'_b), g and g_t
+   at its ends. */
+static void MidOf(const Node *a, PetscReal h, const PetscReal g[], const PetscReal g_t[],
+                  Vector2 *x, Vector2 *x_t) {
+  *x = *x_t = (Vector2){0, 0};
+  for (int e = 0; e < 2; e++) {
+    const Node *n = a + e;
+    const Vector2 q = {PetscCosReal(n->theta), PetscSinReal(n->theta)},
+                  slope_t = Along2(Times2(g_t[e], q), g[e] * n->theta_t, Left2(q));
+    const PetscReal k = e ? -h / 8 : h / 8;
+    *x = Plus2(*x, CurveMidOf2(k * g[e], From2(n->x), q));
+    *x_t = Plus2(*x_t, CurveMidOf2(k, From2(n->x_t), slope_t));
+  }
+}
+
+/* Node i; or the middle of the cell behind it. */
 static PetscErrorCode SpotOf(const Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                              PetscInt i, int half, Spot *spot) {
   const Scene scene = self->scene;
   const PetscReal *s = self->s, h = half ? s[i + 1] - s[i] : 0;
-  PetscReal g[2], g_t[2], x_t[2] = {nodes[i].x_t[0], nodes[i].x_t[1]}, theta = nodes[i].theta;
+  PetscReal g[2], g_t[2], theta = nodes[i].theta, weight = 4 * h / 6, strain, c;
+  Vector2 x = From2(nodes[i].x), x_t = From2(nodes[i].x_t);
 
   PetscFunctionBegin;
-  *spot = (Spot){.s = 0};
-  spot->s = half ? (s[i] + s[i + 1]) / 2 : s[i];
-  for (int d = 0; d < 2; d++) spot->x[d] = nodes[i].x[d];
+  *spot = (Spot){.s = half ? (s[i] + s[i + 1]) / 2 : s[i]};
   if (half) {
     PetscCall(GrowthStretch(scene->growth, 2, &s[i], t, g, g_t, NULL));
     PetscCall(Bow(self, t, nodes, i, g, &theta));
     theta += (nodes[i].theta + nodes[i + 1].theta) / 2;
-    for (int d = 0; d < 2; d++) spot->x[d] = x_t[d] = 0;
-    for (int e = 0; e < 2; e++) {
-      const Node *n = &nodes[i + e];
-      PetscReal q[2] = {PetscCosReal(n->theta), PetscSinReal(n->theta)}, k = e ? -h / 8 : h / 8;
-      for (int d = 0; d < 2; d++) {
-        spot->x[d] += CurveMidOf(k * g[e], n->x[d], q[d]);
-        x_t[d] += CurveMidOf(k, n->x_t[d], g_t[e] * q[d] + g[e] * n->theta_t * (d ? q[0] : -q[1]));
-      }
-    }
+    MidOf(&nodes[i], h, g, g_t, &x, &x_t);
   }
-  PetscCall(GrowthStretch(scene->growth, 1, &spot->s, t, &spot->g, g_t, NULL));
-  PetscCall(SpotLaws(scene, t, x_t, theta, g_t[0], moves, spot));
-  spot->weight = 4 * h / 6;
-  if (half) PetscFunctionReturn(0);
-  if (i > 0) spot->weight += (s[i] - s[i - 1]) / 6;
-  if (i < self->cells) spot->weight += (s[i + 1] - s[i]) / 6;
+  PetscCall(GrowthStretch(scene->growth, 1, &spot->s, t, g, g_t, NULL));
+  c = moves ? GrowthSlide(scene->growth, spot->s, t) : 0;
+  strain = GrowthStrain(scene->growth, spot->s, t, g_t[0]);
+  Put2(x, spot->x);
+  Put2(Along2(x_t, c, (Vector2){PetscCosReal(theta), PetscSinReal(theta)}), spot->v);
+  if (!half && i > 0) weight += (s[i] - s[i - 1]) / 6;
+  if (!half && i < self->cells) weight += (s[i + 1] - s[i]) / 6;
+  spot->length = g[0] * weight;
+  spot->length_t = strain * weight + (spot->s > 0 ? 0 : c); /* at the clamp: what comes in there */
   PetscFunctionReturn(0);
 }
 
 /* Adds one wall's push on a point, which stands for `length` of the rod, and for length_t more
    after a unit of time. */
-static void AddWall(const Contact *contact, const Touch *touch, const Spot *spot, PetscReal length,
-                    PetscReal length_t, PetscReal force[2], TouchSum *sum) {
+static void AddWall(int dims, const Contact *contact, const Touch *touch, const Rubbed *at,
+                    PetscReal length, PetscReal length_t, PetscReal force[PUSH], TouchSum *sum) {
   PetscReal U = ContactEnergy(contact, touch->gap);
   Push push;
 
-  ContactPush(contact, touch, spot->v, NULL, &push);
+  ContactPush(dims, contact, touch, at, NULL, &push);
   sum->energy += length * U;
   sum->strain += length_t * U + length * ContactEnergyRate(contact, touch->gap);
   sum->loss += length * push.power;
   sum->normal += length * push.normal;
-  for (int d = 0; d < 2; d++) {
+  for (int d = 0; d < 3; d++) {
+    if (touch->moves) sum->moved += length * push.force[d] * touch->v[d];
     force[d] += push.force[d];
     sum->wall[d] += length * push.force[d];
-    sum->moved += length * push.force[d] * touch->v[d];
   }
+  force[SPIN] += push.couple;
 }
 
-/* The walls on one point, and on the tip besides if it is the last; do they touch it? */
-static PetscBool Walls1(Touching self, const Spot *spot, PetscBool tip, PetscReal force[2],
-                        TouchSum *sum) {
-  const Contact *contact = &self->scene->contact;
-  const PetscReal within = PetscMax(contact->smooth, sum->nearest),
-                  gap = WallsGapWithin(&contact->walls, spot->x, contact->diameter / 2, within);
-  PetscReal on_tip[2] = {0, 0};
+/* TouchingWalls - the walls on one point, and on the tip besides if it is that; do they touch it?
+   bound: what is farther is not the nearest. */
+PetscBool TouchingWalls(int dims, const Contact *contact, const WallSpot *spot, PetscReal bound,
+                        PetscReal force[PUSH], TouchSum *sum) {
+  const Rubbed *at = &spot->at;
+  const PetscReal within = PetscMax(contact->smooth, PetscMin(sum->nearest, bound)),
+                  gap = ContactGap(dims, contact, at->x, within);
+  PetscReal on_tip[PUSH] = {0};
   Touch touch[MOST_TOUCHES];
-  PetscInt n = gap < contact->smooth ? ContactTouches(contact, spot->x, touch) : 0;
+  PetscInt n = gap < contact->smooth ? ContactTouches(dims, contact, at->x, touch) : 0;
 
   for (PetscInt k = 0; k < n; k++) {
-    AddWall(contact, &touch[k], spot, spot->g * spot->weight,
-            spot->strain * spot->weight + spot->enters, force, sum);
-    if (tip) AddWall(contact, &touch[k], spot, contact->tip, contact->tip_t, on_tip, sum);
+    AddWall(dims, contact, &touch[k], at, spot->length, spot->length_t, force, sum);
+    if (spot->tip) AddWall(dims, contact, &touch[k], at, contact->tip, contact->tip_t, on_tip, sum);
   }
-  for (int d = 0; d < 2 && tip; d++) sum->tip[d] += contact->tip * on_tip[d];
-  TouchNearest(sum, gap, spot->s, spot->x);
+  for (int d = 0; d < PUSH && spot->tip; d++) sum->tip[d] += contact->tip * on_tip[d];
+  if (gap < within) TouchNearest(sum, gap, spot->s, at->x);
   return ContactBears(contact, gap);
 }
 
@@ -172,7 +169,7 @@ static PetscErrorCode AddCell(Touching self, PetscInt cell, TouchFeet **feet) {
 static void AddFoot(const Contact *contact, const FootCell *cell, const Feet *feet, PetscInt k,
                     TouchSum *sum) {
   const Foot *foot = &feet->foot[k];
-  const Touch3 *touch = &feet->touch[k];
+  const Touch *touch = &feet->touch[k];
   const PetscReal U = ContactEnergy(contact, touch->gap),
                   strength_t = foot->strength_t + FootShareRate(contact, cell, feet, k);
 
@@ -193,7 +190,6 @@ static void AddFoot(const Contact *contact, const FootCell *cell, const Feet *fe
 */
 PetscErrorCode TouchingCell(Touching self, PetscInt i, const FootCell *cell, TouchSum *sum,
                             PetscBool *touches, const PetscReal (**load)[FOOT_LOAD]) {
-  const FeetHeld none = {.first = NULL};
   const Contact *contact = &self->scene->contact;
   const PetscReal *s = self->s;
   TouchFeet *room = NULL;
@@ -204,7 +200,7 @@ PetscErrorCode TouchingCell(Touching self, PetscInt i, const FootCell *cell, Tou
   *load = NULL;
   FeetFind(contact, cell, PetscMax(contact->smooth, sum->nearest), &feet);
   if (!feet.n) PetscFunctionReturn(0);
-  FeetPush(contact, cell, none, &feet);
+  FeetPush(contact, cell, NULL, &feet);
   PetscCall(AddCell(self, i, &room));
   FeetHandOut(cell, &feet, room->load);
   *load = (const PetscReal(*)[FOOT_LOAD])room->load;
@@ -235,14 +231,11 @@ static PetscErrorCode FeetsCell(const Touching self, PetscReal t, const Node *no
     curve->c[k] = GrowthSlide(scene->growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
   for (int e = 0; e < 2; e++) {
     const Node *node = &nodes[i + e];
-    const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)},
-                    perp[2] = {-q[1], q[0]}, turn = curve->g[e] * node->theta_t;
-    for (int d = 0; d < 2; d++) {
-      curve->q[e][d] = q[d];
-      curve->slope_t[e][d] = g_t[e] * q[d] + turn * perp[d];
-      curve->x[e][d] = node->x[d];
-      curve->x_t[e][d] = node->x_t[d];
-    }
+    const Vector2 q = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
+    Put2(q, curve->q[e]);
+    Put2(Along2(Times2(g_t[e], q), curve->g[e] * node->theta_t, Left2(q)), curve->slope_t[e]);
+    Put2(From2(node->x), curve->x[e]);
+    Put2(From2(node->x_t), curve->x_t[e]);
   }
   PetscFunctionReturn(0);
 }
@@ -274,8 +267,12 @@ static PetscErrorCode LookAtWalls(Touching self, PetscReal t, const Node *nodes,
   for (PetscInt k = 0; k <= 2 * cells; k++) {
     PetscBool touches;
     PetscCall(SpotOf(self, t, nodes, moves, k / 2, (int)(k % 2), &spot));
-    touches = Walls1(self, &spot, (PetscBool)(k == 2 * cells && self->scene->tip.type == TIP_FREE),
-                     self->force[k], sum);
+    const WallSpot at = {.at = {.x = spot.x, .v = spot.v},
+                         .s = spot.s,
+                         .length = spot.length,
+                         .length_t = spot.length_t,
+                         .tip = (PetscBool)(k == 2 * cells && self->scene->tip.type == TIP_FREE)};
+    touches = TouchingWalls(2, &self->scene->contact, &at, INFINITY, self->force[k], sum);
     touches = (PetscBool)(touches || (k % 2 && at_feet[k / 2]));
     sum->zones += touches && !before;
     before = touches;

@@ -36,6 +36,14 @@ static inline void TouchNearest(TouchSum *sum, PetscReal gap, PetscReal s, const
   for (int d = 0; d < 3; d++) sum->x[d] = x[d];
 }
 
+/* A point that is looked at: the length of rod that it stands for, and what comes to that in a unit
+   of time. */
+typedef struct {
+  Rubbed at;
+  PetscReal s, length, length_t;
+  PetscBool tip;
+} WallSpot;
+
 typedef struct _Touching *Touching;
 
 PetscErrorCode TouchingCreate(Scene scene, Touching *touching);
@@ -50,6 +58,8 @@ PetscInt TouchingFeet(Touching touching, const TouchFeet **feet);
 const SampleLaw *TouchingLaws(Touching touching);
 PetscErrorCode TouchingCell(Touching touching, PetscInt i, const FootCell *cell, TouchSum *sum,
                             PetscBool *touches, const PetscReal (**load)[FOOT_LOAD]);
+PetscBool TouchingWalls(int dims, const Contact *contact, const WallSpot *spot, PetscReal bound,
+                        PetscReal force[PUSH], TouchSum *sum);
 PetscErrorCode TouchingWalls3(Touching touching, Scene scene, PetscReal t, const Node *nodes,
                               PetscBool moves, PetscInt likely, const SampleLaw law[],
                               PetscReal (*force)[PUSH], TouchSum *sum);

@@ -2,59 +2,13 @@
 #include "record/touching.h"
 #include "rod/directors.h"
 
-/* A point that is looked at: the length of rod that it stands for, and what comes to that in a unit
-   of time. */
-typedef struct {
-  const Sample3 *sample;
-  PetscReal s, length, length_t;
-  PetscBool moves, tip;
-} Spot3;
-
-/* Adds one wall's push on `length` of rod. */
-static void AddWall3(const Contact *contact, const Touch3 *touch, const Rubbed *at,
-                     PetscReal length, PetscReal length_t, PetscReal force[PUSH], TouchSum *sum) {
-  PetscReal U = ContactEnergy(contact, touch->gap);
-  Push3 push;
-
-  ContactPush3(contact, touch, at, NULL, &push);
-  sum->energy += length * U;
-  sum->strain += length_t * U + length * ContactEnergyRate(contact, touch->gap);
-  sum->loss += length * push.power;
-  sum->normal += length * push.normal;
-  for (int d = 0; d < 3; d++) {
-    if (touch->moves) sum->moved += length * push.force[d] * touch->v[d];
-    force[d] += push.force[d];
-    sum->wall[d] += length * push.force[d];
-  }
-  force[SPIN] += push.couple;
-}
-
-/* The walls on one point, and on the tip besides if it is that; do they touch it? bound: what is
-   farther is not the nearest. */
-static PetscBool Walls3(const Contact *contact, const Spot3 *spot, PetscReal bound,
-                        PetscReal force[PUSH], TouchSum *sum) {
-  const PetscReal rest[3] = {0};
-  const Place *place = &spot->sample->at;
-  const Rubbed at = {place->x, place->q, spot->moves ? place->v : rest,
-                     spot->moves ? spot->sample->spin : 0};
-  const PetscReal within = PetscMax(contact->smooth, PetscMin(sum->nearest, bound)),
-                  gap = ContactGap3(contact, place->x, within);
-  PetscReal on_tip[PUSH] = {0};
-  Touch3 touch[MOST_TOUCHES3];
-  PetscInt n = gap < contact->smooth ? ContactTouches3(contact, place->x, touch) : 0;
-
-  for (PetscInt k = 0; k < n; k++) {
-    AddWall3(contact, &touch[k], &at, spot->length, spot->length_t, force, sum);
-    if (spot->tip) AddWall3(contact, &touch[k], &at, contact->tip, contact->tip_t, on_tip, sum);
-  }
-  for (int d = 0; d < PUSH && spot->tip; d++) sum->tip[d] += contact->tip * on_tip[d];
-  if (gap < within) TouchNearest(sum, gap, spot->s, place->x);
-  return ContactBears(contact, gap);
-}
+static const PetscReal rest[3] = {0};
 
 /* A spot that stands for this much of s. */
-static Spot3 SpotOf(const Sample3 *sample, PetscReal s, PetscReal weight, PetscBool moves) {
-  Spot3 spot = {.sample = sample, .s = s, .moves = moves};
+static WallSpot SpotOf(const Sample3 *sample, PetscReal s, PetscReal weight, PetscBool moves) {
+  const Place *place = &sample->at;
+  WallSpot spot = {.at = {place->x, place->q, moves ? place->v : rest, moves ? sample->spin : 0},
+                   .s = s};
 
   spot.length = sample->law.g * weight;
   spot.length_t = sample->law.strain * weight;
@@ -118,19 +72,19 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
 
   PetscFunctionBegin;
   if (bound > contact->smooth) {
-    bound = ContactGap3(contact, nodes[likely].x3, bound);
+    bound = ContactGap(3, contact, nodes[likely].x3, bound);
     if (bound < sum->nearest) bound += round_off * PetscAbsReal(bound);
   }
   for (PetscInt i = 0; i <= cells; i++) {
     const PetscReal behind = i < cells ? s[i + 1] - s[i] : 0, ahead = i ? s[i] - s[i - 1] : 0;
     PetscBool touches;
-    Spot3 spot;
+    WallSpot spot;
     b.node = nodes[i];
     b.push = force[2 * i];
     SampleFill3(scene, t, &law[2 * i], &b);
     spot = SpotOf(&b, s[i], (ahead + behind) / 6, moves);
     spot.tip = (PetscBool)(i == cells && scene->tip.type == TIP_FREE);
-    touches = Walls3(contact, &spot, bound, force[2 * i], sum);
+    touches = TouchingWalls(3, contact, &spot, bound, force[2 * i], sum);
     if (i) { /* the middle of the cell before it follows from both its ends */
       const PetscReal(*feet)[FOOT_LOAD] = NULL;
       PetscBool between, at_feet = PETSC_FALSE;
@@ -141,7 +95,7 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
       }
       PetscCall(SampleMid3(scene, s[i - 1], s[i], t, &law[2 * i - 1], &a, &b, feet, &mid));
       spot = SpotOf(&mid, (s[i - 1] + s[i]) / 2, 4 * ahead / 6, moves);
-      between = Walls3(contact, &spot, bound, force[2 * i - 1], sum);
+      between = TouchingWalls(3, contact, &spot, bound, force[2 * i - 1], sum);
       between = (PetscBool)(between || at_feet);
       sum->zones += between && !before;
       before = between;

@@ -1,18 +1,15 @@
 #include "rod/crossing.h"
 #include "base/blocks.h"
+#include "base/plane.h"
 #include "base/vectors.h"
 
 /* Does segment ab cross segment cd? Touching in an end point does not count twice: half-open. */
-static PetscBool SegmentsCross(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2],
-                               const PetscReal d[2]) {
-  PetscReal r[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {d[0] - c[0], d[1] - c[1]},
-            o[2] = {c[0] - a[0], c[1] - a[1]};
-  PetscReal det = r[0] * q[1] - r[1] * q[0], u = o[0] * q[1] - o[1] * q[0],
-            w = o[0] * r[1] - o[1] * r[0];
-  if (det == 0) return PETSC_FALSE;
-  u /= det;
-  w /= det;
-  return (PetscBool)(u >= 0 && u < 1 && w >= 0 && w < 1);
+static PetscBool SegmentsCross(const Node *ab, const Node *cd) {
+  const Vector2 a = From2(ab[0].x), c = From2(cd[0].x), o = Minus2(c, a),
+                r = Minus2(From2(ab[1].x), a), q = Minus2(From2(cd[1].x), c);
+  const PetscReal det = Cross2(r, q), u = Cross2(o, q) / det, w = Cross2(o, r) / det;
+
+  return (PetscBool)(det != 0 && u >= 0 && u < 1 && w >= 0 && w < 1);
 }
 
 /* The polygon whose crossings are counted. */
@@ -31,8 +28,7 @@ static PetscBool CannotCross(const Block *a, PetscInt first_a, PetscInt last_a, 
 static void CountCrossing(PetscInt i, PetscInt j, void *ctx) {
   Crossings *self = (Crossings *)ctx;
   const Node *a = self->nodes + i, *c = self->nodes + j;
-  if (j > i + 1)
-    self->count += SegmentsCross(a[0].x, a[1].x, c[0].x, c[1].x); /* else: a node in common */
+  if (j > i + 1) self->count += SegmentsCross(a, c); /* else: a node in common */
 }
 
 /* RodCrossings - in how many points the polygon through n nodes crosses itself. Not collective.

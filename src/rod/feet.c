@@ -3,57 +3,18 @@
 
 /* ---- what walls do at a foot ---- */
 
-/* As contact.h has it. */
-static Touch Flat(const Touch3 *touch) {
-  return (Touch){.gap = touch->gap,
-                 .normal = {touch->normal[0], touch->normal[1]},
-                 .bend = touch->bend[0][0] + touch->bend[1][1],
-                 .v = {touch->v[0], touch->v[1]},
-                 .wall = touch->wall};
-}
-
-/* The push of a post in the plane. */
-static void PushFlat(const Contact *contact, const Touch3 *touch, const Foot *foot,
-                     const FrictionDual *dual, Push3 *push) {
-  const Touch flat = Flat(touch);
-  Push of;
-
-  ContactPush(contact, &flat, foot->v, dual, &of);
-  *push = (Push3){.force = {of.force[0], of.force[1]}, .normal = of.normal, .power = of.power};
-}
-
-/* ... and its derivatives, by x and v; with the push, for the dual is then another. */
-static void SlopeFlat(const Contact *contact, const Touch3 *touch, const Foot *foot,
-                      PetscBool fresh, FrictionDual *dual, Push3 *push) {
-  const Touch flat = Flat(touch);
-  Push of;
-
-  ContactPushSlope(contact, &flat, foot->v, fresh, dual, &of);
-  PushFlat(contact, touch, foot, dual, push);
-  for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) {
-      push->x[d][c] = of.x[d][c];
-      push->W[d][c] = of.v[d][c];
-    }
-}
-
 static Rubbed RubbedOf(const Foot *foot) {
   return (Rubbed){foot->on.x, foot->t, foot->v, foot->spin};
 }
 
-/* What a wall does to the k-th foot. */
-static void PushOf(const Contact *contact, const FootCell *cell, FeetHeld held, const Feet *feet,
-                   PetscInt k, Push3 *push) {
-  const Rubbed at = RubbedOf(&feet->foot[k]);
-
-  if (cell->dims == 2)
-    PushFlat(contact, &feet->touch[k], &feet->foot[k], k ? NULL : held.first, push);
-  else
-    ContactPush3(contact, &feet->touch[k], &at, held.slots, push);
+/* The dual of the k-th. */
+static FrictionDual *DualOf(const FootCell *cell, FeetHeld held, const Feet *feet, PetscInt k) {
+  if (cell->dims == 2) return k ? NULL : held;
+  return ContactDual(3, &feet->touch[k], held);
 }
 
 /* The push at a foot, times its strength. */
-static void Bear(const Push3 *push, Foot *foot) {
+static void Bear(const Push *push, Foot *foot) {
   for (int d = 0; d < 3; d++) foot->force[d] = foot->strength * push->force[d];
   foot->couple = foot->strength * push->couple;
   foot->normal = foot->strength * push->normal;
@@ -75,10 +36,12 @@ static void MotionOf(const FootCell *cell, Foot *foot, CurveMotion *m) {
 /* FeetPush - what walls do to the rod at the feet that FeetFind() has found. */
 void FeetPush(const Contact *contact, const FootCell *cell, FeetHeld held, Feet *feet) {
   for (PetscInt k = 0; k < feet->n; k++) {
-    Push3 push;
+    Push push;
     CurveMotion m;
+    Rubbed at;
     MotionOf(cell, &feet->foot[k], &m);
-    PushOf(contact, cell, held, feet, k, &push);
+    at = RubbedOf(&feet->foot[k]);
+    ContactPush(cell->dims, contact, &feet->touch[k], &at, DualOf(cell, held, feet, k), &push);
     Bear(&push, &feet->foot[k]);
   }
 }
@@ -141,7 +104,7 @@ ALWAYS_INLINE void FixedBy(int dims, int node, const FootCell *cell, const FootE
 
 /* The derivative of x_z.H x_z by x, x_z held: by differences, for surfaces tell no third
    derivatives. Only where a share is between 0 and 1. */
-static void SquareBy(const Contact *contact, const Foot *foot, const Touch3 *touch,
+static void SquareBy(const Contact *contact, const Foot *foot, const Touch *touch,
                      PetscReal by[3]) {
   const PetscReal e = 1e-5 * (foot->rho + touch->gap);
 
@@ -149,7 +112,7 @@ static void SquareBy(const Contact *contact, const Foot *foot, const Touch3 *tou
     PetscReal square[2] = {0, 0};
     for (int side = 0; side < 2; side++) {
       PetscReal x[3] = {foot->on.x[0], foot->on.x[1], foot->on.x[2]};
-      Touch3 there;
+      Touch there;
       x[d] += side ? e : -e;
       if (ContactRidgeTouch(contact, foot->item, x, PETSC_MAX_REAL, &there))
         square[side] = FootSquare(there.bend, foot->on.slope);
@@ -159,7 +122,7 @@ static void SquareBy(const Contact *contact, const Foot *foot, const Touch3 *tou
 }
 
 /* How rho changes as x and x_z do; square_by as SquareBy() has it. */
-static PetscReal RhoBy(const Foot *foot, const Touch3 *touch, const PetscReal square_by[3],
+static PetscReal RhoBy(const Foot *foot, const Touch *touch, const PetscReal square_by[3],
                        const PetscReal dx[3], const PetscReal dslope[3]) {
   const PetscReal *w = foot->on.slope, along = FootSquare(touch->bend, w), size = Dot3(w, w);
   PetscReal by = Dot3(square_by, dx);
@@ -180,7 +143,7 @@ typedef struct {
 
   and all else changes by z besides.
 */
-ALWAYS_INLINE void ChangeOf(int dims, const FootCell *cell, const Foot *foot, const Touch3 *touch,
+ALWAYS_INLINE void ChangeOf(int dims, const FootCell *cell, const Foot *foot, const Touch *touch,
                             const CurveMotion *m, const Fixed *by, int u, Change *change) {
   PetscReal z = 0;
 
@@ -198,7 +161,7 @@ ALWAYS_INLINE void ChangeOf(int dims, const FootCell *cell, const Foot *foot, co
 
 /* ... and its force and, as a vector along the tangent, its couple; more: by how much of itself the
    strength changes. */
-static void LoadChange(const Foot *foot, const Push3 *push, const Change *change, PetscReal more,
+static void LoadChange(const Foot *foot, const Push *push, const Change *change, PetscReal more,
                        PetscReal dF[FOOT_LOAD]) {
   PetscReal by[4];
 
@@ -213,7 +176,7 @@ static void LoadChange(const Foot *foot, const Push3 *push, const Change *change
 
 /* Adds the derivatives of a foot's load. */
 ALWAYS_INLINE void LineariseOne(int dims, int node, const Contact *contact, const FootCell *cell,
-                                const FootEnd end[2], const Push3 *push, const Touch3 *touch,
+                                const FootEnd end[2], const Push *push, const Touch *touch,
                                 Foot *foot, FootSlope slope) {
   PetscReal part[FOOT_ROWS], part_z[FOOT_ROWS], square_by[3] = {0}, dF[FOOT_LOAD];
   CurveMotion m;
@@ -240,29 +203,6 @@ ALWAYS_INLINE void LineariseOne(int dims, int node, const Contact *contact, cons
   }
 }
 
-static void LineariseFlat(const Contact *contact, const FootCell *cell, const FootEnd end[2],
-                          PetscBool fresh, FeetHeld held, Feet *feet, FootSlope slope) {
-  for (PetscInt k = 0; k < feet->n; k++) {
-    Foot *foot = &feet->foot[k];
-    Push3 push;
-    SlopeFlat(contact, &feet->touch[k], foot, fresh, k ? NULL : held.first, &push);
-    Bear(&push, foot);
-    LineariseOne(2, 3, contact, cell, end, &push, &feet->touch[k], foot, slope);
-  }
-}
-
-static void LineariseInSpace(const Contact *contact, const FootCell *cell, const FootEnd end[2],
-                             PetscBool fresh, FrictionDual4 slots[], Feet *feet, FootSlope slope) {
-  if (slots) ContactSlots(feet->n, feet->touch, slots);
-  for (PetscInt k = 0; k < feet->n; k++) {
-    const Rubbed at = RubbedOf(&feet->foot[k]);
-    const Touch3 *touch = &feet->touch[k];
-    Push3 push;
-    ContactPushSlope3(contact, touch, &at, fresh, ContactSlot(touch, slots), &push);
-    LineariseOne(3, FOOT_NODE, contact, cell, end, &push, touch, &feet->foot[k], slope);
-  }
-}
-
 /*
   FeetLinearise - adds to the derivatives of the load of a cell's points those of feet that
   FeetPush() has seen, the duals of their friction brought up to the slip first.
@@ -272,23 +212,17 @@ static void LineariseInSpace(const Contact *contact, const FootCell *cell, const
 */
 void FeetLinearise(const Contact *contact, const FootCell *cell, const FootEnd end[2],
                    PetscBool fresh, FeetHeld held, Feet *feet, FootSlope slope) {
-  if (cell->dims == 2)
-    LineariseFlat(contact, cell, end, fresh, held, feet, slope);
-  else
-    LineariseInSpace(contact, cell, end, fresh, held.slots, feet, slope);
-}
-
-/* The first foot in the plane; it counts the less the less it is pressed. */
-static PetscReal HoldFirst(const Contact *contact, const Feet *feet, PetscReal seen,
-                           FrictionDual *dual) {
-  const Touch3 *touch = &feet->touch[0];
-  const Foot *foot = &feet->foot[0];
-  const PetscReal *n = touch->normal, mu = contact->walls.wall[touch->wall].friction,
-                  slip[2] = {n[0] * foot->v[1] - n[1] * foot->v[0], 0},
-                  p = foot->normal / foot->strength;
-
-  if (mu == 0 || foot->normal == 0) return 0;
-  return PetscMin(1, mu * p) * FrictionDualHold(slip, seen, friction_hold, dual);
+  if (held) ContactSlots(cell->dims, feet->n, feet->touch, held);
+  for (PetscInt k = 0; k < feet->n; k++) {
+    const Rubbed at = RubbedOf(&feet->foot[k]);
+    const Touch *touch = &feet->touch[k];
+    Push push = {.couple = 0};
+    ContactPushSlope(cell->dims, contact, touch, &at, fresh, DualOf(cell, held, feet, k), &push);
+    if (cell->dims == 2)
+      LineariseOne(2, 3, contact, cell, end, &push, touch, &feet->foot[k], slope);
+    else
+      LineariseOne(3, FOOT_NODE, contact, cell, end, &push, touch, &feet->foot[k], slope);
+  }
 }
 
 /* FeetHold - moves what holds feet that stick (exact Coulomb friction); returns the speed at which
@@ -297,13 +231,11 @@ PetscReal FeetHold(const Contact *contact, const FootCell *cell, Feet *feet, Pet
                    FeetHeld held) {
   PetscReal creep = 0;
 
-  if (cell->dims == 2)
-    return feet->n && held.first ? HoldFirst(contact, feet, seen, held.first) : 0;
-  ContactSlots(feet->n, feet->touch, held.slots);
+  ContactSlots(cell->dims, feet->n, feet->touch, held);
   for (PetscInt k = 0; k < feet->n; k++) {
     const Rubbed at = RubbedOf(&feet->foot[k]);
-    creep = LargerOf(
-        creep, ContactHoldTouch3(contact, &feet->touch[k], &at, seen, friction_hold, held.slots));
+    creep = LargerOf(creep, ContactHoldTouch(cell->dims, contact, &feet->touch[k], &at, seen,
+                                             friction_hold, DualOf(cell, held, feet, k)));
   }
   return creep;
 }
@@ -313,7 +245,7 @@ PetscReal FeetHold(const Contact *contact, const FootCell *cell, Feet *feet, Pet
 PetscReal FootShareRate(const Contact *contact, const FootCell *cell, const Feet *feet,
                         PetscInt k) {
   const Foot *foot = &feet->foot[k];
-  const Touch3 *touch = &feet->touch[k];
+  const Touch *touch = &feet->touch[k];
   const PetscReal *w = foot->on.slope;
   PetscReal x_t[3], slope_t[3], square_by[3], Hw[3], z_t = 0;
 

@@ -9,7 +9,7 @@
    and its force, that of this energy with friction against the velocity of the place, is handed to
    the two nodes and the middle of this one cell: to each as much as the parabola through them gives
    it a part in x(foot). So force and moment are those of a point load at the foot, and no other
-   cell learns of it. In space there is a couple about the tangent, too (contact_space.h).
+   cell learns of it. In space there is a couple about the tangent, too (contact_push.h).
 
    a is the share of a post (ContactPostShare()) whose radius is
 
@@ -67,15 +67,12 @@ typedef struct {
 typedef struct {
   PetscInt n;
   Foot foot[MOST_FEET];
-  Touch3 touch[MOST_FEET];
+  Touch touch[MOST_FEET];
 } Feet;
 
 /* What Newton's method remembers of their friction: in the plane that of the first foot; in space
    of walls. NULL: nothing is held. */
-typedef struct {
-  FrictionDual *first;
-  FrictionDual4 *slots;
-} FeetHeld;
+typedef FrictionDual *FeetHeld;
 
 /* What feet add to n', and behind it to m', at the points of the cell; and, in row FOOT_KINK, a
    vector w by which the rod turns more from a to b than the cell's formula gives it: that smears a
@@ -90,7 +87,7 @@ typedef PetscReal FootLoad[FOOT_ROWS][FOOT_LOAD];
 typedef PetscReal FootSlope[FOOT_ROWS][FOOT_LOAD][FOOT_UNKNOWNS];
 
 /* feet_find.c */
-PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot);
+PetscBool FootAbout(const FootCell *cell, Vector2 c, Foot *foot);
 void FeetFind(const Contact *contact, const FootCell *cell, PetscReal within, Feet *feet);
 
 void FeetPush(const Contact *contact, const FootCell *cell, FeetHeld held, Feet *feet);
@@ -107,7 +104,7 @@ static inline PetscReal FootSquare(const PetscReal H[3][3], const PetscReal w[3]
 }
 
 /* ... the second derivative of the distance by z: x_z.H x_z + n.x_zz. */
-static inline PetscReal FootStiff(const Foot *foot, const Touch3 *touch) {
+static inline PetscReal FootStiff(const Foot *foot, const Touch *touch) {
   return FootSquare(touch->bend, foot->on.slope) + Dot3(touch->normal, foot->on.bend);
 }
 

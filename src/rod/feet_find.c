@@ -28,7 +28,7 @@ static PetscBool MakeRoom(Feet *feet, PetscReal gap) {
 }
 
 /* Takes note of a foot, in the order of items and, of one item, along the rod. */
-static void Take(Looking *look, Foot *foot, const Touch3 *touch) {
+static void Take(Looking *look, Foot *foot, const Touch *touch) {
   Feet *feet = look->feet;
   PetscInt k;
 
@@ -47,14 +47,13 @@ static void Take(Looking *look, Foot *foot, const Touch3 *touch) {
 /* ---- on posts, in the plane ---- */
 
 /* (x - c).x_z at a foot */
-static PetscReal Lean(const Foot *foot, const PetscReal c[2]) {
-  const CurvePlace *on = &foot->on;
-  return (on->x[0] - c[0]) * on->slope[0] + (on->x[1] - c[1]) * on->slope[1];
+static PetscReal Lean(const CurvePlace *on, Vector2 c) {
+  return Dot2(Minus2(From2(on->x), c), From2(on->slope));
 }
 
 /* The root of (x - c).x_z between 0 and 1, where it goes from below 0 to above: by Newton's method,
    or by halves where that leaves what is known to hold the root. */
-static void DescendToPost(const FootCell *cell, const PetscReal c[2], Foot *foot) {
+static void DescendToPost(const FootCell *cell, Vector2 c, Foot *foot) {
   PetscReal low = 0, high = 1;
   CurvePlace *on = &foot->on;
 
@@ -62,9 +61,9 @@ static void DescendToPost(const FootCell *cell, const PetscReal c[2], Foot *foot
   for (int k = 0; k < rod_rule.nearest_iterations; k++) {
     PetscReal f, f_z, z, o[3] = {0};
     CurvePlaceAt(&cell->curve, on);
-    f = Lean(foot, c);
+    f = Lean(on, c);
     *(f > 0 ? &high : &low) = on->z;
-    for (int d = 0; d < 2; d++) o[d] = on->x[d] - c[d];
+    Put2(Minus2(From2(on->x), c), o);
     f_z = Dot3(on->slope, on->slope) + Dot3(o, on->bend);
     z = f_z > 0 ? on->z - f / f_z : -1;
     if (!(z > low && z < high)) z = (low + high) / 2;
@@ -78,19 +77,17 @@ static void DescendToPost(const FootCell *cell, const PetscReal c[2], Foot *foot
 /* FootAbout - is the curve of a cell in the plane nearest to c within the cell, or at its end if
    that is the rod's? (A cell asks by the directions of its nodes: so of two cells one has it.)
    Where: on, ends. */
-PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot) {
-  PetscReal lean[2];
+PetscBool FootAbout(const FootCell *cell, Vector2 c, Foot *foot) {
+  const CurveCell *curve = &cell->curve;
+  const PetscReal begin = Dot2(Minus2(From2(curve->x[0]), c), From2(curve->q[0])),
+                  end = Dot2(Minus2(From2(curve->x[1]), c), From2(curve->q[1]));
 
-  for (int e = 0; e < 2; e++) {
-    const PetscReal *x = cell->curve.x[e], *q = cell->curve.q[e];
-    lean[e] = (x[0] - c[0]) * q[0] + (x[1] - c[1]) * q[1];
-  }
   foot->ends = PETSC_TRUE;
-  if (cell->first && lean[0] > 0)
+  if (cell->first && begin > 0)
     foot->on.z = 0;
-  else if (cell->last && lean[1] <= 0)
+  else if (cell->last && end <= 0)
     foot->on.z = 1;
-  else if (lean[0] <= 0 && lean[1] > 0) {
+  else if (begin <= 0 && end > 0) {
     foot->ends = PETSC_FALSE;
     DescendToPost(cell, c, foot);
     return PETSC_TRUE;
@@ -101,21 +98,24 @@ PetscBool FootAbout(const FootCell *cell, const PetscReal c[2], Foot *foot) {
 }
 
 /* What a post is to a foot: false, the foot is in its middle. */
-static PetscBool TouchPost(const Contact *contact, PetscInt item, const PetscReal at[2],
-                           const Foot *foot, Touch3 *touch) {
+static PetscBool TouchPost(const Contact *contact, PetscInt item, const Foot *foot, Touch *touch) {
   const Walls *walls = &contact->walls;
   const WallPost *post = &walls->post[item];
-  PetscReal n[2], distance;
+  const Vector2 way = Minus2(From2(foot->on.x), WallsPostAt(walls, item));
+  const PetscReal distance = Size2(way);
 
-  for (int d = 0; d < 2; d++) n[d] = foot->on.x[d] - at[d];
-  distance = hypot(n[0], n[1]);
-  *touch = (Touch3){.gap = distance - post->r - contact->diameter / 2, .wall = post->wall};
+  *touch = (Touch){.gap = distance - post->r - contact->diameter / 2,
+                   .steep = 1,
+                   .wall = post->wall,
+                   .friction = ContactWallFriction(contact, post->wall)};
   if (distance == 0) return PETSC_FALSE;
   touch->moves = (PetscBool)(item >= walls->resting);
-  if (touch->moves) WallVelocity(walls, post->wall, touch->v);
-  for (int d = 0; d < 2; d++) touch->normal[d] = n[d] /= distance;
+  if (touch->moves) Put2(WallVelocity(walls, post->wall), touch->v);
+  Put2(Over2(way, distance), touch->normal);
   for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) touch->bend[d][c] = ((d == c) - n[d] * n[c]) / distance;
+    for (int c = 0; c < 2; c++)
+      touch->bend[d][c] = ((d == c) - touch->normal[d] * touch->normal[c]) / distance;
+  touch->curvature = touch->bend[0][0] + touch->bend[1][1];
   return PETSC_TRUE;
 }
 
@@ -125,12 +125,10 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   const WallPost *post = &contact->walls.post[item];
   PetscReal share_t, share = ContactPostShare(contact, post->r + contact->diameter / 2, &share_t);
   Foot foot = {.item = item};
-  PetscReal at[2];
-  Touch3 touch;
+  Touch touch;
 
-  if (share == 0) return reach;
-  WallsPostAt(&contact->walls, item, at);
-  if (!FootAbout(look->cell, at, &foot) || !TouchPost(contact, item, at, &foot, &touch))
+  if (share == 0 || !FootAbout(look->cell, WallsPostAt(&contact->walls, item), &foot) ||
+      !TouchPost(contact, item, &foot, &touch))
     return reach;
   foot.strength = share * contact->tip;
   foot.strength_t = share * contact->tip_t + share_t * contact->tip;
@@ -154,7 +152,7 @@ static Block CellBlock(const FootCell *cell) {
 enum { ASKED = 4 };
 
 /* What an item is to the place z of a cell; false: nothing. */
-static PetscBool LookFrom(const Looking *look, PetscInt item, Foot *foot, Touch3 *touch) {
+static PetscBool LookFrom(const Looking *look, PetscInt item, Foot *foot, Touch *touch) {
   CurvePlaceAt(&look->cell->curve, &foot->on);
   return ContactRidgeTouch(look->contact, item, foot->on.x, PETSC_MAX_REAL, touch);
 }
@@ -162,7 +160,7 @@ static PetscBool LookFrom(const Looking *look, PetscInt item, Foot *foot, Touch3
 /* The root of n.x_z between two places, where it goes from below 0 to above: by Newton's method, or
    by halves where that leaves what is known to hold the root. */
 static PetscBool Descend(const Looking *look, PetscInt item, PetscReal low, PetscReal high,
-                         Foot *foot, Touch3 *touch) {
+                         Foot *foot, Touch *touch) {
 
   foot->on.z = (low + high) / 2;
   for (int k = 0; k < rod_rule.nearest_iterations; k++) {
@@ -182,7 +180,7 @@ static PetscBool Descend(const Looking *look, PetscInt item, PetscReal low, Pets
 }
 
 /* rho, see feet.h; PETSC_MAX_REAL where what stands out does not along the rod. */
-static PetscReal RhoOf(const Foot *foot, const Touch3 *touch) {
+static PetscReal RhoOf(const Foot *foot, const Touch *touch) {
   const PetscReal along = FootSquare(touch->bend, foot->on.slope);
   return along > 0 ? Dot3(foot->on.slope, foot->on.slope) / along - touch->gap : PETSC_MAX_REAL;
 }
@@ -201,7 +199,7 @@ static void StrengthOf(const Contact *contact, Foot *foot) {
                      (share_t * (1 - round) - share * round_t) * contact->tip;
 }
 
-static void TakeRidge(Looking *look, Foot *foot, const Touch3 *touch) {
+static void TakeRidge(Looking *look, Foot *foot, const Touch *touch) {
   foot->rho = RhoOf(foot, touch);
   StrengthOf(look->contact, foot);
   Take(look, foot, touch);
@@ -211,7 +209,7 @@ static void TakeRidge(Looking *look, Foot *foot, const Touch3 *touch) {
 static PetscBool IsOff(const Looking *look, PetscInt item) {
   Foot foot = {.on = {.z = 0.5}};
   PetscReal beside, rate;
-  Touch3 touch;
+  Touch touch;
 
   if (ContactPostShare(look->contact, ContactRidgeSmallest(look->contact, item, &beside), &rate) ==
       0)
@@ -224,7 +222,7 @@ static PetscBool IsOff(const Looking *look, PetscInt item) {
 /* An end of the rod, if it is nearer than what is beside it. */
 static void TakeEnd(Looking *look, PetscInt item, PetscReal z) {
   Foot foot = {.item = item, .ends = PETSC_TRUE, .on = {.z = z}};
-  Touch3 touch;
+  Touch touch;
 
   if (LookFrom(look, item, &foot, &touch)) TakeRidge(look, &foot, &touch);
 }
@@ -241,7 +239,7 @@ static PetscReal MeetRidge(PetscInt item, PetscReal reach, void *ctx) {
   if (IsOff(look, item)) return reach;
   for (int k = 0; k <= ASKED; k++) {
     Foot foot = {.on = {.z = (PetscReal)k / ASKED}};
-    Touch3 touch;
+    Touch touch;
     seen[k] = LookFrom(look, item, &foot, &touch);
     if (seen[k])
       lean[k] = Dot3(touch.normal, k == 0       ? cell->curve.q[0]
@@ -251,7 +249,7 @@ static PetscReal MeetRidge(PetscInt item, PetscReal reach, void *ctx) {
   if (cell->first && seen[0] && lean[0] > 0) TakeEnd(look, item, 0);
   for (int k = 0; k < ASKED; k++) {
     Foot foot = {.item = item};
-    Touch3 touch;
+    Touch touch;
     if (seen[k] && seen[k + 1] && lean[k] <= 0 && lean[k + 1] > 0 &&
         Descend(look, item, (PetscReal)k / ASKED, (PetscReal)(k + 1) / ASKED, &foot, &touch))
       TakeRidge(look, &foot, &touch);

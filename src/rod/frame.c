@@ -28,7 +28,7 @@ typedef struct {
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
   Vec local[2];
   Law *law;                   /* of nodes a, mid, b of the cell */
-  LoadDual *dual[3];          /* likewise */
+  FrictionDual *dual[3];      /* likewise */
   const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
   PetscReal h;
   PetscBool known;  /* the points are: the state is that of the latest walk */
@@ -39,7 +39,7 @@ typedef struct {
 } Cell;
 
 /* The point at a node; u, u_t its six unknowns and their rates. */
-static inline void PointAtNode(const Load *load, const Law *law, const LoadDual *dual,
+static inline void PointAtNode(const Load *load, const Law *law, const FrictionDual *dual,
                                const PetscReal *u, const PetscReal *u_t, Point *p) {
   const PetscReal theta = u[TH]; /* (one call for sine and cosine) */
 
@@ -56,7 +56,7 @@ static inline void PointAtNode(const Load *load, const Law *law, const LoadDual 
 }
 
 /* The point in the middle of a cell between a and b; k = bow h. */
-static void PointAtMid(const Load *load, const Law law[3], const LoadDual *dual, PetscReal k,
+static void PointAtMid(const Load *load, const Law law[3], const FrictionDual *dual, PetscReal k,
                        const Point *a, const Point *b, const PetscReal *ua_t, const PetscReal *ub_t,
                        Point *p) {
   PetscReal wa[2], wb[2];
@@ -140,10 +140,9 @@ static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
 
 /* The dual of the first foot of the cell, which is remembered, stands behind those of the walls at
    its middle. */
-static FeetHeld HeldAt(const Cell *cell) {
+static FrictionDual *HeldAt(const Cell *cell) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  if (!cell->rod->scene->contact.walls.rub) return (FeetHeld){.first = NULL};
-  return (FeetHeld){.first = cell->dual[1] + frame->duals - 1};
+  return cell->rod->scene->contact.walls.rub ? cell->dual[1] + frame->duals - 1 : NULL;
 }
 
 /* The feet of the cell, and what they push with; returns how many. */
@@ -299,7 +298,7 @@ static TipState TipOf(const Point *end) {
 }
 
 /* The tip's own dual stands where that of a cell behind the tip would. */
-static LoadDual *TipDual(Rod rod) {
+static FrictionDual *TipDual(Rod rod) {
   return FrameDuals((Frame *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 
@@ -385,7 +384,7 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
   PetscReal fn[2][3]; /* d(n') at the node by x1, x2, theta; k times that is d(n_mid) */
 
   for (int d = 0; d < 2; d++) {
-    const PetscReal drag[2] = {g * slope->v[d][0], g * slope->v[d][1]};
+    const PetscReal drag[2] = {g * slope->W[d][0], g * slope->W[d][1]};
     fn[d][X1] = shift[X1] * drag[0];
     fn[d][X2] = shift[X2] * drag[1];
     fn[d][TH] = law->c * (drag[0] * perp[0] + drag[1] * perp[1]);
@@ -409,7 +408,7 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
   J[M][N1] = -we * g * q[1] - wm * qm[1] / 2;
   J[M][N2] = we * g * q[0] + wm * qm[0] / 2;
   for (int d = 0; d < 2; d++) {
-    const PetscReal drag[2] = {wm * mid_slope->v[d][0], wm * mid_slope->v[d][1]};
+    const PetscReal drag[2] = {wm * mid_slope->W[d][0], wm * mid_slope->W[d][1]};
     const PetscReal along = mid_law->c * (drag[0] * perp_m[0] + drag[1] * perp_m[1]); /* by theta */
     const PetscReal by_q = drag[0] * q[0] + drag[1] * q[1],
                     by_perp = drag[0] * perp[0] + drag[1] * perp[1];
@@ -436,7 +435,7 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
 
 /* The slope of the load at a point. */
 static void Linearise(Cell *cell, int k, const Point *p) {
-  LoadLinearise(cell->load, &p->at, cell->fresh, cell->dual[k], &cell->slope[k]);
+  LoadLinearise(2, cell->load, &p->at, cell->fresh, cell->dual[k], &cell->slope[k]);
 }
 
 /* The rows of a node, by itself (columns FIELDS ...) and its neighbours. */
@@ -780,9 +779,9 @@ static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination el
 }
 
 /* Moves the shift at a point; creep is the largest speed so far. */
-static void HoldPoint(const Load *load, const Place *at, PetscReal seen, LoadDual *dual,
+static void HoldPoint(const Load *load, const Place *at, PetscReal seen, FrictionDual *dual,
                       PetscReal *creep) {
-  *creep = LargerOf(*creep, LoadHold(load, at, seen, dual));
+  *creep = LargerOf(*creep, LoadHold(2, load, at, seen, dual));
 }
 
 /* ... at the feet of a cell. */
@@ -807,7 +806,7 @@ static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *s
 
   for (int k = 0; k < 3; k++) {
     if (at[k])
-      LoadParts(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
+      LoadParts(2, cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
     sum->moved += cell->h * weight[k] * cell->law[k].g * end->moved;
     for (int d = 0; d < 2; d++) {
       sum->friction[d] += cell->h * weight[k] * cell->law[k].g * end->friction[d];
@@ -825,8 +824,9 @@ static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *s
 static void AddTip(const Cell *cell, RodForces *sum) {
   Rod rod = cell->rod;
   const Tip *tip = &rod->scene->tip;
+  const TipState end = TipOf(cell->b);
 
-  sum->moved += TipWalls(tip, &cell->b->at, TipDual(rod), sum->tip);
+  sum->moved += TipWalls(2, tip, &end, TipDual(rod), sum->tip);
   for (int d = 0; d < 2; d++) sum->walls[d] += sum->tip[d];
   for (int d = 0; d < 2 && cell->push && tip->type == TIP_FREE; d++)
     sum->tip[d] += cell->push[2 * rod->last + 1][d];
@@ -843,7 +843,7 @@ static PetscErrorCode FrameBears(Rod rod, const RodState *at, RodForces *sum) {
     CellsNext(&cell, i);
     if (i < rod->first) continue;
     if (i == rod->first)
-      LoadParts(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
+      LoadParts(2, cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
     AddForces(&cell, i, &end, sum);
   }
   if (rod->end == rod->last + 1) AddTip(&cell, sum);
@@ -874,11 +874,10 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
     if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);
     if (frame->feet) HoldFeet(&cell, i, seen, creep);
   }
-  if (rod->end == rod->last + 1 && TipResists(&rod->scene->tip))
-    HoldPoint(&rod->scene->tip.resistance, &cell.b->at, seen, TipDual(rod), creep);
-  if (rod->end == rod->last + 1 && frame->duals > 1)
-    *creep = LargerOf(*creep, ContactHold(&rod->scene->contact, cell.b->at.x, cell.b->at.v, seen,
-                                          TipDual(rod) + 1));
+  if (rod->end == rod->last + 1) {
+    const TipState end = TipOf(cell.b);
+    *creep = LargerOf(*creep, TipHold(2, &rod->scene->tip, &end, seen, TipDual(rod)));
+  }
   PetscCall(CellsClose(&cell));
   Forget(frame);
   if (frame->strands) PetscCall(StrandRowsHold(frame->strands, seen, creep));
@@ -888,17 +887,16 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
 
 /* The duals of each node and of the middle of the cell on its right, as a whole: a point that
    begins to press while Newton's method iterates goes on from where it pressed last. */
-enum { REMEMBERED = sizeof(FrictionDual) / sizeof(PetscReal) };
+enum { RUBBING = 2 };
 
 /* Value k of what is remembered at node i, in this order; NULL: nothing. */
 static PetscReal *FrameRemembered(Rod rod, PetscInt i, PetscInt k) {
   const Frame *frame = (const Frame *)rod->data;
-  LoadDual *dual;
+  const PetscInt each = FrictionDualReals(RUBBING), own = 2 * frame->duals * each;
 
-  if (k >= 2 * frame->duals * REMEMBERED)
-    return StrandRowsRemembered(frame->strands, i, k - 2 * frame->duals * REMEMBERED);
-  dual = FrameDuals(frame, 2 * (i - rod->first + 1)) + k / REMEMBERED;
-  return (PetscReal *)dual + k % REMEMBERED;
+  if (k >= own) return StrandRowsRemembered(frame->strands, i, k - own);
+  return FrictionDualReal(RUBBING, FrameDuals(frame, 2 * (i - rod->first + 1)) + k / each,
+                          k % each);
 }
 
 static PetscErrorCode FrameRecalled(Rod rod) {
@@ -974,7 +972,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   frame->time = PETSC_MIN_REAL;
   Forget(frame);
   frame->duals = rod->scene->load.duals;
-  rod->memory = 2 * frame->duals * REMEMBERED;
+  rod->memory = 2 * frame->duals * FrictionDualReals(RUBBING);
   PetscCall(PetscCalloc3(points, &frame->law, points * frame->duals, &frame->dual, points,
                          &frame->point));
   rod->data = frame;

@@ -26,7 +26,7 @@ typedef struct {
   Law *law;                              /* nodes and mids from node first - 1 on, alternating */
   Point *point;                          /* likewise, in the state seen */
   RodSeen seen;
-  LoadDual *dual; /* likewise, duals of them at each */
+  FrictionDual *dual; /* likewise, duals of them at each */
   PetscInt duals;
   FootLoad *feet;     /* of each cell, from that before node first on; NULL: no posts */
   StrandRows strands; /* NULL: the rod does not touch itself */
@@ -34,16 +34,18 @@ typedef struct {
 } Frame;
 
 /* f at a point */
-static inline void PointEvaluate(const Load *load, const Law *law, const LoadDual *dual, Point *p) {
+static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual *dual,
+                                 Point *p) {
   const PetscReal *q = p->at.q;
+  PetscReal F[RUBS];
 
   p->f[X1] = law->g * q[0];
   p->f[X2] = law->g * q[1];
   p->f[TH] = law->g * (p->m * law->flex + law->k0);
   p->f[M] = -law->g * (q[0] * p->n[1] - q[1] * p->n[0]);
-  LoadForce(load, &p->at, dual, &p->f[N1]);
-  p->f[N1] *= law->g;
-  p->f[N2] *= law->g;
+  LoadForce(2, load, &p->at, dual, F);
+  p->f[N1] = law->g * F[0];
+  p->f[N2] = law->g * F[1];
 }
 
 /* The slope x'_t = g_t q + g theta_t q_perp of the velocity at a node. */
@@ -54,7 +56,7 @@ static inline void VelocitySlope(const Law *law, const Point *p, PetscReal theta
 }
 
 /* The duals of point k: nodes and mids alternate, from node first - 1 on. */
-static inline LoadDual *FrameDuals(const Frame *frame, PetscInt k) {
+static inline FrictionDual *FrameDuals(const Frame *frame, PetscInt k) {
   return frame->dual + k * frame->duals;
 }
 

@@ -6,7 +6,7 @@
 /* The point at a + z h on the cubics through a and b; at: the point that is known there, whose
    velocity a place that may stick keeps, for what is held does not depend on it. */
 static void PointOnCubic(const Load *load, const Law *law_a, const Law *law, const Law *law_b,
-                         const LoadDual *dual, PetscReal z, PetscReal h, const Point *a,
+                         const FrictionDual *dual, PetscReal z, PetscReal h, const Point *a,
                          const Point *b, PetscReal turn_a, PetscReal turn_b, const Point *at,
                          Point *p) {
   PetscReal wa[2], wb[2];
@@ -35,11 +35,11 @@ static void Values(const Frame *frame, const Load *load, PetscInt k, PetscReal p
                    PetscReal value[FIELDS][PLACES]) {
   for (int j = 0; j < PLACES; j++) {
     const Point *p = frame->point + k + j;
-    PetscReal bare[2];
+    PetscReal bare[RUBS];
 
     for (int f = 0; f < FIELDS; f++) value[f][j] = p->f[f];
     if (part == 1) continue;
-    LoadForce(load, &p->at, FrameDuals(frame, k + j), bare);
+    LoadForce(2, load, &p->at, FrameDuals(frame, k + j), bare);
     for (int d = 0; d < 2; d++)
       value[N1 + d][j] += (1 - part) * (frame->law[k + j].g * bare[d] - p->f[N1 + d]);
   }

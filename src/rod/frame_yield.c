@@ -151,7 +151,7 @@ static void Vary(const Rod rod, const Law *law, const Point *p, const LoadSlope 
   for (int k = 0; k < 2; k++) {
     df[X1 + k] = d->g * q[k] + g * dq[k];
     df[N1 + k] =
-        d->g / g * p->f[N1 + k] + g * (slope->v[k][0] * d->v[0] + slope->v[k][1] * d->v[1]);
+        d->g / g * p->f[N1 + k] + g * (slope->W[k][0] * d->v[0] + slope->W[k][1] * d->v[1]);
     if (load->turns) df[N1 + k] += g * slope->theta[k] * d->theta;
     for (int j = 0; j < 2 && load->moves; j++) df[N1 + k] += g * slope->x[k][j] * d->x[j];
   }

@@ -9,7 +9,7 @@ typedef struct {
   PetscReal depth;
 } Dent;
 
-enum { MOST_DENTS = PetscMax((int)MOST_TOUCHES, (int)MOST_TOUCHES3) };
+enum { MOST_DENTS = MOST_TOUCHES };
 
 static PetscInt CountWalls(const Contact *contact) {
   return contact->walls.n + contact->surfaces.n;
@@ -31,31 +31,15 @@ static void PlaceOf(Rod rod, const PetscScalar *u, PetscInt k, PetscReal x[3]) {
 
 /* The gap of a place to the nearest wall, if it is below `within`; else that. */
 static PetscReal GapOf(Rod rod, const PetscReal x[3], PetscReal within) {
-  const Contact *contact = &rod->scene->contact;
-  Touch touch[MOST_TOUCHES];
-  PetscReal gap = within;
-  PetscInt n;
-
-  if (rod->model->space) return ContactGap3(contact, x, within);
-  n = WallsTouch(&contact->walls, x, contact->diameter / 2, within, touch);
-  for (PetscInt k = 0; k < n; k++) gap = PetscMin(gap, touch[k].gap);
-  return gap;
+  return ContactGap(rod->model->space ? 3 : 2, &rod->scene->contact, x, within);
 }
 
 /* Which walls a node is in touch with; returns how many. */
 static PetscInt DentsOf(Rod rod, const PetscReal x[3], Dent dent[MOST_DENTS]) {
-  const Contact *contact = &rod->scene->contact;
-  Touch3 touch3[MOST_TOUCHES3];
   Touch touch[MOST_TOUCHES];
-  PetscInt n;
+  PetscInt n = ContactTouches(rod->model->space ? 3 : 2, &rod->scene->contact, x, touch);
 
-  if (rod->model->space) {
-    n = ContactTouches3(contact, x, touch3);
-    for (PetscInt k = 0; k < n; k++) dent[k] = (Dent){touch3[k].wall, -touch3[k].gap};
-  } else {
-    n = ContactTouches(contact, x, touch);
-    for (PetscInt k = 0; k < n; k++) dent[k] = (Dent){touch[k].wall, -touch[k].gap};
-  }
+  for (PetscInt k = 0; k < n; k++) dent[k] = (Dent){touch[k].wall, -touch[k].gap};
   return n;
 }
 

@@ -23,7 +23,7 @@ typedef struct {
   PetscReal *length;  /* l of edge first - 1 + k, for edges first - 1 .. end + 1 where they exist */
   PetscReal *natural; /* k0 at turn first - 1 + k, for turns first - 1 .. end */
   PetscReal *bend;    /* B there */
-  LoadDual *dual;     /* owned nodes, and one more for the tip's resistance */
+  FrictionDual *dual; /* owned nodes, and one more for the tip's resistance */
 } Mixed;
 
 /* K and its first and second derivatives by (a, b), for one turn. */
@@ -31,38 +31,51 @@ typedef struct {
   PetscReal K, slope[4], curve[4][4];
 } Turn;
 
-static void TurnValue(const PetscReal a[2], const PetscReal b[2], Turn *turn) {
-  PetscReal la = hypot(a[0], a[1]), lb = hypot(b[0], b[1]);
-  PetscReal N = a[0] * b[1] - a[1] * b[0], D = la * lb + a[0] * b[0] + a[1] * b[1];
-  PetscReal N1[4] = {b[1], -b[0], -a[1], a[0]}, D1[4];
-  for (int d = 0; d < 2; d++) {
-    D1[d] = lb * a[d] / la + b[d];
-    D1[2 + d] = la * b[d] / lb + a[d];
-  }
-  turn->K = 2 * N / D;
-  for (int i = 0; i < 4; i++) turn->slope[i] = 2 * (N1[i] - N * D1[i] / D) / D;
+/* The two edges of a turn, and the parts of K = 2 N / D: N = a x b, D = |a| |b| + a.b, with their
+   derivatives. */
+typedef struct {
+  Vector2 a, b;
+  PetscReal la, lb, N, D, N1[4], D1[4];
+} Edges;
+
+static Edges EdgesOf(Vector2 a, Vector2 b) {
+  Edges of = {.a = a, .b = b, .la = Size2(a), .lb = Size2(b), .N = Cross2(a, b)};
+
+  of.D = of.la * of.lb + a.x * b.x + a.y * b.y;
+  Put2((Vector2){b.y, -b.x}, of.N1);
+  Put2(Left2(a), of.N1 + 2);
+  Put2(Plus2(Over2(Times2(of.lb, a), of.la), b), of.D1);
+  Put2(Plus2(Over2(Times2(of.la, b), of.lb), a), of.D1 + 2);
+  return of;
 }
 
-static void TurnCurve(const PetscReal a[2], const PetscReal b[2], Turn *turn) {
-  PetscReal la = hypot(a[0], a[1]), lb = hypot(b[0], b[1]);
-  PetscReal N = a[0] * b[1] - a[1] * b[0], D = la * lb + a[0] * b[0] + a[1] * b[1];
-  PetscReal N1[4] = {b[1], -b[0], -a[1], a[0]}, D1[4], N2[4][4] = {{0}}, D2[4][4];
+static void TurnValue(Vector2 a, Vector2 b, Turn *turn) {
+  const Edges of = EdgesOf(a, b);
+
+  turn->K = 2 * of.N / of.D;
+  for (int i = 0; i < 4; i++) turn->slope[i] = 2 * (of.N1[i] - of.N * of.D1[i] / of.D) / of.D;
+}
+
+static void TurnCurve(Vector2 a, Vector2 b, Turn *turn) {
+  const Edges of = EdgesOf(a, b);
+  const PetscReal ab[4] = {a.x, a.y, b.x, b.y}, la = of.la, lb = of.lb, D = of.D, *N1 = of.N1,
+                  *D1 = of.D1;
+  PetscReal N2[4][4] = {{0}}, D2[4][4];
+
   N2[0][3] = N2[3][0] = 1;
   N2[1][2] = N2[2][1] = -1;
-  for (int d = 0; d < 2; d++) {
-    D1[d] = lb * a[d] / la + b[d];
-    D1[2 + d] = la * b[d] / lb + a[d];
-    for (int e = 0; e < 2; e++) {
-      D2[d][e] = lb / la * ((d == e) - a[d] * a[e] / (la * la));
-      D2[2 + d][2 + e] = la / lb * ((d == e) - b[d] * b[e] / (lb * lb));
-      D2[d][2 + e] = D2[2 + e][d] = a[d] * b[e] / (la * lb) + (d == e);
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < 4; j++) {
+      const PetscReal same = i % 2 == j % 2, p = ab[i] * ab[j];
+      D2[i][j] = i / 2 != j / 2 ? p / (la * lb) + same
+                 : i < 2        ? lb / la * (same - p / (la * la))
+                                : la / lb * (same - p / (lb * lb));
     }
-  }
   for (int i = 0; i < 4; i++)
     for (int j = 0; j < 4; j++)
       turn->curve[i][j] = 2 *
-                          (N2[i][j] - (N1[i] * D1[j] + D1[i] * N1[j]) / D - N * D2[i][j] / D +
-                           2 * N * D1[i] * D1[j] / (D * D)) /
+                          (N2[i][j] - (N1[i] * D1[j] + D1[i] * N1[j]) / D - of.N * D2[i][j] / D +
+                           2 * of.N * D1[i] * D1[j] / (D * D)) /
                           D;
 }
 
@@ -110,17 +123,18 @@ static PetscErrorCode LengthsAt(Rod rod, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-static void Edge(const PetscReal (*u)[FIELDS], PetscInt i, PetscReal e[2]) {
-  e[0] = u[i][X1] - u[i - 1][X1];
-  e[1] = u[i][X2] - u[i - 1][X2];
+/* From one node to another. */
+static Vector2 Between(const PetscReal (*u)[FIELDS], PetscInt from, PetscInt to) {
+  return Minus2(From2(u[to]), From2(u[from]));
 }
 
-/* The two edges of turn k. */
-static void TurnEdges(const PetscReal (*u)[FIELDS], PetscInt k, PetscReal a[2], PetscReal b[2]) {
-  a[0] = 1;
-  a[1] = 0;
-  if (k) Edge(u, k, a);
-  Edge(u, k + 1, b);
+static Vector2 Edge(const PetscReal (*u)[FIELDS], PetscInt i) {
+  return Between(u, i - 1, i);
+}
+
+/* The first edge of turn k; the second is edge k + 1. */
+static Vector2 EdgeBefore(const PetscReal (*u)[FIELDS], PetscInt k) {
+  return k ? Edge(u, k) : (Vector2){1, 0};
 }
 
 /* By how much the rod turns from the middle of the last edge to the tip, where there is no moment.
@@ -129,36 +143,31 @@ static PetscReal TipTurn(const Mixed *self, Rod rod) {
   return self->natural[rod->last - rod->first + 1] * EdgeLength(self, rod, rod->last) / 2;
 }
 
-static void Rotate(PetscReal e[2], PetscReal angle) {
-  PetscReal x = e[0], c = PetscCosReal(angle), s = PetscSinReal(angle);
+static Vector2 Rotated(Vector2 e, PetscReal angle) {
+  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle);
 
-  e[0] = c * x - s * e[1];
-  e[1] = s * x + c * e[1];
+  return (Vector2){c * e.x - s * e.y, s * e.x + c * e.y};
 }
 
 /* The edge that the tangent of node i is taken from: between its neighbours. */
-static void Across(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i, PetscReal e[2]) {
-  const PetscInt next = PetscMin(i + 1, rod->last);
-  e[0] = u[next][X1] - u[i - 1][X1];
-  e[1] = u[next][X2] - u[i - 1][X2];
+static Vector2 Across(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i) {
+  return Between(u, i - 1, PetscMin(i + 1, rod->last));
 }
 
 /* Node i and its velocity, v = x_t + c q, with q by central differences; slide is c over the length
    of these. u_t NULL: at rest. */
 static void PlaceAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                     const PetscReal (*u_t)[FIELDS], PetscInt i, Place *at, PetscReal *slide) {
-  PetscReal e[2], size, c = GrowthSlide(rod->scene->growth, rod->scene->mesh.s[i], self->time);
+  const PetscReal c = GrowthSlide(rod->scene->growth, rod->scene->mesh.s[i], self->time);
+  Vector2 e = Across(rod, u, i);
+  const PetscReal size = Size2(e);
 
-  Across(rod, u, i, e);
-  size = hypot(e[0], e[1]);
-  if (i == rod->last) Rotate(e, TipTurn(self, rod));
+  if (i == rod->last) e = Rotated(e, TipTurn(self, rod));
   *slide = c != 0 && i < rod->last ? c / (2 * NodeLength(self, rod, i)) : 0;
   *at = (Place){.t = self->time};
-  for (int d = 0; d < 2; d++) {
-    at->x[d] = u[i][d];
-    at->q[d] = e[d] / size;
-    at->v[d] = (u_t ? u_t[i][d] : 0) + *slide * e[d];
-  }
+  Put2(From2(u[i]), at->x);
+  Put2(Over2(e, size), at->q);
+  Put2(Along2(u_t ? From2(u_t[i]) : (Vector2){0, 0}, *slide, e), at->v);
 }
 
 /* The tip as its force sees it. */
@@ -172,48 +181,46 @@ static TipState TipAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 }
 
 /* The tip's resistance remembers behind what the nodes do. */
-static LoadDual *TipDual(const Mixed *self, Rod rod) {
+static FrictionDual *TipDual(const Mixed *self, Rod rod) {
   return self->dual + (rod->end - rod->first);
 }
 
 /* Residual of the balance at node i. */
-static void BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                            const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal r[2]) {
+static Vector2 BalanceResidual(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                               const PetscReal (*u_t)[FIELDS], PetscInt i) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscReal a[2], b[2], drag[2], slide;
+  PetscReal f[RUBS], slide;
+  Vector2 r;
   Place at;
   Turn turn;
 
   PlaceAt(self, rod, u, u_t, i, &at, &slide);
-  LoadForce(&rod->scene->load, &at, &self->dual[i - rod->first], drag);
-  for (int d = 0; d < 2; d++) r[d] = NodeLength(self, rod, i) * drag[d];
+  LoadForce(2, &rod->scene->load, &at, &self->dual[i - rod->first], f);
+  r = Times2(NodeLength(self, rod, i), From2(f));
   for (PetscInt k = i - 1; k <= PetscMin(i + 1, rod->last - 1); k++) {
     PetscReal force;
-    TurnEdges(u, k, a, b);
-    TurnValue(a, b, &turn);
+    TurnValue(EdgeBefore(u, k), Edge(u, k + 1), &turn);
     force = TurnMoment(self, rod, k, &turn);
-    for (int d = 0; d < 2; d++) { /* x_i ends edge i (+) and begins edge i + 1 (-) */
-      if (k == i - 1) r[d] += force * turn.slope[2 + d];
-      if (k == i) r[d] += force * (turn.slope[d] - turn.slope[2 + d]);
-      if (k == i + 1) r[d] -= force * turn.slope[d];
-    }
+    const Vector2 a = From2(turn.slope), b = From2(turn.slope + 2);
+    /* x_i ends edge i (+) and begins edge i + 1 (-) */
+    if (k == i - 1) r = Along2(r, force, b);
+    if (k == i) r = Along2(r, force, Minus2(a, b));
+    if (k == i + 1) r = Along2(r, -force, a);
   }
-  for (PetscInt e = i; e <= PetscMin(i + 1, rod->last); e++) {
-    Edge(u, e, a);
-    for (int d = 0; d < 2; d++)
-      r[d] += (e == i ? -1 : 1) * 2 * u[e][LAMBDA] * a[d] / (s[e] - s[e - 1]);
-  }
+  for (PetscInt e = i; e <= PetscMin(i + 1, rod->last); e++)
+    r = Plus2(r, Over2(Times2((e == i ? -1 : 1) * 2 * u[e][LAMBDA], Edge(u, e)), s[e] - s[e - 1]));
   if (i == rod->last && rod->scene->tip.force != 0) {
     TipState tip = TipAt(self, rod, u, u_t);
-    TipForce(&rod->scene->tip, &tip, TipDual(self, rod), a);
-    for (int d = 0; d < 2; d++) r[d] -= a[d];
+    TipForce(2, &rod->scene->tip, &tip, TipDual(self, rod), f);
+    r = Minus2(r, From2(f));
   }
+  return r;
 }
 
 static PetscErrorCode MixedResidual(Rod rod, const RodState *at, Vec F) {
   Mixed *self = (Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
-  PetscReal(*f)[FIELDS], e[2];
+  PetscReal(*f)[FIELDS];
   Vec local[2];
 
   PetscFunctionBegin;
@@ -224,9 +231,9 @@ static PetscErrorCode MixedResidual(Rod rod, const RodState *at, Vec F) {
   if (!rod->first) PetscCall(PetscArraycpy(f[0], u[0], FIELDS));
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
     PetscReal l = EdgeLength(self, rod, i);
-    BalanceResidual(self, rod, u, u_t, i, f[i]);
-    Edge(u, i, e);
-    f[i][LAMBDA] = (e[0] * e[0] + e[1] * e[1]) / l - l;
+    const Vector2 e = Edge(u, i);
+    Put2(BalanceResidual(self, rod, u, u_t, i), f[i]);
+    f[i][LAMBDA] = Dot2(e, e) / l - l;
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &f));
   PetscCall(RodClose(rod, &local[0], &u));
@@ -246,10 +253,11 @@ static void AddByEdge(Row row, PetscInt i, int d, PetscInt e, int c, PetscReal v
 /* d2E of turn k in the balance of node i */
 static void TurnJacobian(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS], PetscInt i,
                          PetscInt k, Row row) {
-  PetscReal a[2], b[2], w = TurnWidth(self, rod, k), B = TurnStiffness(self, rod, k), moment;
+  const PetscReal w = TurnWidth(self, rod, k), B = TurnStiffness(self, rod, k);
+  const Vector2 a = EdgeBefore(u, k), b = Edge(u, k + 1);
+  PetscReal moment;
   Turn turn;
 
-  TurnEdges(u, k, a, b);
   TurnValue(a, b, &turn);
   TurnCurve(a, b, &turn);
   moment = TurnMoment(self, rod, k, &turn);
@@ -266,18 +274,20 @@ static void TurnJacobian(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS
   }
 }
 
+/* The rows of the balance, and the unknowns that it is by. */
+enum { DIMS = 2 };
+
 /* Adds to the balance of node i the slope of a force that turns with the edge e of Across():
    dq = q_perp (q_perp . de) / |e|. */
-static void AddTurning(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i, const PetscReal theta[2],
+static void AddTurning(Rod rod, const PetscReal (*u)[FIELDS], PetscInt i, const PetscReal theta[],
                        Row row) {
   const PetscInt next = PetscMin(i + 1, rod->last) - i + REACH;
-  PetscReal e[2], square;
+  const Vector2 e = Across(rod, u, i);
+  const PetscReal perp[] = {-e.y, e.x}, square = Dot2(e, e);
 
-  Across(rod, u, i, e);
-  square = e[0] * e[0] + e[1] * e[1];
-  for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) {
-      PetscReal value = theta[d] * (c ? e[0] : -e[1]) / square;
+  for (int d = 0; d < DIMS; d++)
+    for (int c = 0; c < DIMS; c++) {
+      PetscReal value = theta[d] * perp[c] / square;
       row[d][next * FIELDS + c] += value;
       row[d][(REACH - 1) * FIELDS + c] -= value;
     }
@@ -293,17 +303,17 @@ static void LoadJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
   Place at;
 
   PlaceAt(self, rod, u, u_t, i, &at, &slide);
-  LoadLinearise(load, &at, state->fresh, &self->dual[i - rod->first], &slope);
-  for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) {
-      row[d][REACH * FIELDS + c] += M * slope.v[d][c] * shift[c];
+  LoadLinearise(2, load, &at, state->fresh, &self->dual[i - rod->first], &slope);
+  for (int d = 0; d < DIMS; d++)
+    for (int c = 0; c < DIMS; c++) {
+      row[d][REACH * FIELDS + c] += M * slope.W[d][c] * shift[c];
       if (load->moves) row[d][REACH * FIELDS + c] += M * slope.x[d][c];
       if (slide == 0) continue;
-      row[d][(REACH + 1) * FIELDS + c] += M * slope.v[d][c] * slide;
-      row[d][(REACH - 1) * FIELDS + c] -= M * slope.v[d][c] * slide;
+      row[d][(REACH + 1) * FIELDS + c] += M * slope.W[d][c] * slide;
+      row[d][(REACH - 1) * FIELDS + c] -= M * slope.W[d][c] * slide;
     }
   if (!load->turns) return;
-  for (int d = 0; d < 2; d++) slope.theta[d] *= M;
+  for (int d = 0; d < DIMS; d++) slope.theta[d] *= M;
   AddTurning(rod, u, i, slope.theta, row);
 }
 
@@ -311,11 +321,11 @@ static void LoadJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 static void TipRows(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                     const PetscReal (*u_t)[FIELDS], const RodState *state, Row row) {
   TipState tip = TipAt(self, rod, u, u_t);
-  PetscReal J[TIP_ROWS][TIP_FIELDS], theta[2];
+  PetscReal J[TIP_ROWS][TIP_FIELDS], theta[DIMS];
 
   TipJacobian(&rod->scene->tip, &tip, state->shift, state->fresh, TipDual(self, rod), J);
-  for (int d = 0; d < 2; d++) {
-    for (int c = 0; c < 2; c++) row[d][REACH * FIELDS + c] += J[1 + d][c];
+  for (int d = 0; d < DIMS; d++) {
+    for (int c = 0; c < DIMS; c++) row[d][REACH * FIELDS + c] += J[1 + d][c];
     theta[d] = J[1 + d][2];
   }
   AddTurning(rod, u, rod->last, theta, row);
@@ -325,7 +335,6 @@ static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                             const PetscReal (*u_t)[FIELDS], PetscInt i, const RodState *state,
                             Row row) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscReal e[2];
 
   LoadJacobian(self, rod, u, u_t, i, state, row);
   if (i == rod->last && rod->scene->tip.force != 0) TipRows(self, rod, u, u_t, state, row);
@@ -333,8 +342,9 @@ static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
     TurnJacobian(self, rod, u, i, k, row);
   for (PetscInt edge = i; edge <= PetscMin(i + 1, rod->last); edge++) {
     PetscReal sign = (edge == i ? -1 : 1) * 2 / (s[edge] - s[edge - 1]);
-    Edge(u, edge, e);
-    for (int d = 0; d < 2; d++) {
+    PetscReal e[DIMS];
+    Put2(Edge(u, edge), e);
+    for (int d = 0; d < DIMS; d++) {
       row[d][(edge - i + REACH) * FIELDS + LAMBDA] += sign * e[d];
       AddByEdge(row, i, d, edge, d, sign * u[edge][LAMBDA]);
     }
@@ -344,7 +354,7 @@ static void BalanceJacobian(Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 static PetscErrorCode MixedJacobian(Rod rod, const RodState *at, Mat J) {
   Mixed *self = (Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
-  PetscReal e[2];
+  PetscReal e[DIMS];
   Vec local[2];
   Row row;
 
@@ -358,8 +368,8 @@ static PetscErrorCode MixedJacobian(Rod rod, const RodState *at, Mat J) {
     for (PetscInt k = 0; k < WIDTH; k++) cols[k] = i - REACH + k <= rod->last ? i - REACH + k : -1;
     if (i) {
       BalanceJacobian(self, rod, u, u_t, i, at, row);
-      Edge(u, i, e);
-      for (int d = 0; d < 2; d++)
+      Put2(Edge(u, i), e);
+      for (int d = 0; d < DIMS; d++)
         AddByEdge(row, i, LAMBDA, i, d, 2 * e[d] / EdgeLength(self, rod, i));
     } else
       for (int f = 0; f < FIELDS; f++) row[f][REACH * FIELDS + f] = 1;
@@ -383,12 +393,11 @@ static PetscErrorCode MixedSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   PetscCall(DMDAVecGetArray(rod->da, U, &u));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     const Node *b = &nodes[i - rod->first], *a = i > rod->first ? b - 1 : b;
-    PetscReal n[2] = {(a->force[0] + b->force[0]) / 2, (a->force[1] + b->force[1]) / 2};
+    const Vector2 n = Over2(Plus2(From2(a->force), From2(b->force)), 2),
+                  q = {PetscCosReal(b->theta), PetscSinReal(b->theta)};
     u[i][X1] = b->x[0];
     u[i][X2] = b->x[1];
-    u[i][LAMBDA] = i ? -(n[0] * PetscCosReal(b->theta) + n[1] * PetscSinReal(b->theta)) *
-                           (s[i] - s[i - 1]) / (2 * EdgeLength(self, rod, i))
-                     : 0;
+    u[i][LAMBDA] = i ? -Dot2(n, q) * (s[i] - s[i - 1]) / (2 * EdgeLength(self, rod, i)) : 0;
   }
   PetscCall(DMDAVecRestoreArray(rod->da, U, &u));
   PetscFunctionReturn(0);
@@ -399,7 +408,7 @@ static PetscErrorCode MixedSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
 static PetscErrorCode MixedBears(Rod rod, const RodState *at, RodForces *sum) {
   const Mixed *self = (const Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
-  PetscReal friction[2], walls[2], moved, slide;
+  PetscReal friction[3], walls[3], moved, slide;
   Vec local[2];
   Place place;
 
@@ -411,8 +420,8 @@ static PetscErrorCode MixedBears(Rod rod, const RodState *at, RodForces *sum) {
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
     const PetscReal at_clamp = i == 1 ? EdgeLength(self, rod, 1) / 2 : 0;
     PlaceAt(self, rod, u, u_t, i, &place, &slide);
-    LoadParts(&rod->scene->load, &place, &self->dual[i - rod->first], friction, walls, &moved);
-    for (int d = 0; d < 2; d++)
+    LoadParts(2, &rod->scene->load, &place, &self->dual[i - rod->first], friction, walls, &moved);
+    for (int d = 0; d < DIMS; d++)
       sum->friction[d] += (NodeLength(self, rod, i) + at_clamp) * friction[d];
   }
   PetscCall(RodClose(rod, &local[0], &u));
@@ -422,48 +431,43 @@ static PetscErrorCode MixedBears(Rod rod, const RodState *at, RodForces *sum) {
 
 /* What is known of an edge: its force n = Q - flux, with Q = dE/d(edge), and its rate of turning.
  */
-static void EdgeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
-                      const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal n[2],
-                      PetscReal *turning) {
+static Vector2 EdgeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
+                         const PetscReal (*u_t)[FIELDS], PetscInt i, PetscReal *turning) {
   const PetscReal *s = rod->scene->mesh.s;
-  PetscReal a[2], b[2], e[2], e_t[2] = {0, 0};
+  const Vector2 e = Edge(u, i), e_t = u_t ? Edge(u_t, i) : (Vector2){0, 0};
+  Vector2 n = Over2(Times2(-2 * u[i][LAMBDA], e), s[i] - s[i - 1]);
   Turn turn;
 
-  Edge(u, i, e);
-  if (u_t) Edge(u_t, i, e_t);
-  *turning = (e[0] * e_t[1] - e[1] * e_t[0]) / (e[0] * e[0] + e[1] * e[1]);
-  for (int d = 0; d < 2; d++) n[d] = -2 * u[i][LAMBDA] * e[d] / (s[i] - s[i - 1]);
+  *turning = Cross2(e, e_t) / Dot2(e, e);
   for (PetscInt k = i - 1; k <= PetscMin(i, rod->last - 1); k++) {
-    TurnEdges(u, k, a, b);
-    TurnValue(a, b, &turn);
-    for (int d = 0; d < 2; d++)
-      n[d] += TurnMoment(self, rod, k, &turn) * turn.slope[(k == i ? 0 : 2) + d];
+    TurnValue(EdgeBefore(u, k), Edge(u, k + 1), &turn);
+    n = Along2(n, TurnMoment(self, rod, k, &turn), From2(turn.slope + (k == i ? 0 : 2)));
   }
+  return n;
 }
 
 /* Force, angle's rate and moment at a node, from the edges beside it. */
 static void NodeState(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
                       const PetscReal (*u_t)[FIELDS], PetscInt i, Node *node) {
-  PetscReal n[2][2], turning[2], a[2], b[2], share;
-  PetscInt left = PetscMin(PetscMax(i, 1), rod->last - 1);
+  const PetscInt left = PetscMin(PetscMax(i, 1), rod->last - 1);
+  PetscReal f[RUBS], before, behind, share;
+  const Vector2 n = EdgeState(self, rod, u, u_t, left, &before),
+                n_behind = EdgeState(self, rod, u, u_t, left + 1, &behind);
   Turn turn;
 
-  for (int e = 0; e < 2; e++) EdgeState(self, rod, u, u_t, left + e, n[e], &turning[e]);
   /* linear between, and to the clamp beyond, the middles of two edges */
   share =
       EdgeLength(self, rod, left) / (EdgeLength(self, rod, left) + EdgeLength(self, rod, left + 1));
   if (!i) share = -share;
-  for (int d = 0; d < 2; d++) node->force[d] = n[0][d] + share * (n[1][d] - n[0][d]);
-  node->theta_t = !i               ? 0
-                  : i == rod->last ? turning[1]
-                                   : turning[0] + share * (turning[1] - turning[0]);
+  Put2(Along2(n, share, Minus2(n_behind, n)), node->force);
+  node->theta_t = !i ? 0 : i == rod->last ? behind : before + share * (behind - before);
   if (i == rod->last) {
     TipState tip = TipAt(self, rod, u, u_t);
-    TipForce(&rod->scene->tip, &tip, TipDual(self, rod), node->force);
+    TipForce(2, &rod->scene->tip, &tip, TipDual(self, rod), f);
+    Put2(From2(f), node->force);
     return;
   }
-  TurnEdges(u, i, a, b);
-  TurnValue(a, b, &turn);
+  TurnValue(EdgeBefore(u, i), Edge(u, i + 1), &turn);
   node->moment = TurnMoment(self, rod, i, &turn);
 }
 
@@ -471,7 +475,7 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   Mixed *self = (Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS] = NULL;
   PetscInt n = rod->end - rod->first;
-  PetscReal *theta, a[2], b[2];
+  PetscReal *theta;
   Vec local[2];
 
   PetscFunctionBegin;
@@ -482,16 +486,12 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   if (U_t) PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
-    for (int d = 0; d < 2; d++) {
-      node->x[d] = u[i][d];
-      node->x_t[d] = u_t ? u_t[i][d] : 0;
-    }
+    Put2(From2(u[i]), node->x);
+    Put2(u_t ? From2(u_t[i]) : (Vector2){0, 0}, node->x_t);
     NodeState(self, rod, u, u_t, i, node);
     if (!i) continue;
-    TurnEdges(u, i - 1, a, b); /* the turn into edge i */
-    theta[i - rod->first] =
-        2 * PetscAtan2Real(a[0] * b[1] - a[1] * b[0],
-                           hypot(a[0], a[1]) * hypot(b[0], b[1]) + a[0] * b[0] + a[1] * b[1]);
+    const Edges of = EdgesOf(EdgeBefore(u, i - 1), Edge(u, i)); /* the turn into edge i */
+    theta[i - rod->first] = 2 * PetscAtan2Real(of.N, of.D);
   }
   PetscCall(RodClose(rod, &local[0], &u));
   if (U_t) PetscCall(RodClose(rod, &local[1], &u_t));

@@ -17,21 +17,22 @@ static Block BlockOf(Bezier b) {
   return block;
 }
 
-static PetscBool Holds(const Block *block, const PetscReal x[2]) {
-  return (PetscBool)(x[0] >= block->low[0] && x[0] <= block->high[0] && x[1] >= block->low[1] &&
-                     x[1] <= block->high[1]);
+static PetscBool Holds(const Block *block, Vector2 x) {
+  return (PetscBool)(x.x >= block->low[0] && x.x <= block->high[0] && x.y >= block->low[1] &&
+                     x.y <= block->high[1]);
 }
 
 enum { DEEPEST = 48 }; /* as often is a curve divided, until round-off ends it */
 
 /* The angle by which the way from a to b turns about c. */
-static PetscReal Turn(const PetscReal a[2], const PetscReal b[2], const PetscReal c[2]) {
-  const PetscReal o[2] = {a[0] - c[0], a[1] - c[1]}, p[2] = {b[0] - c[0], b[1] - c[1]};
-  return PetscAtan2Real(o[0] * p[1] - o[1] * p[0], o[0] * p[0] + o[1] * p[1]);
+static PetscReal Turn(const PetscReal a[], const PetscReal b[], Vector2 c) {
+  const Vector2 o = Minus2(From2(a), c), p = Minus2(From2(b), c);
+
+  return PetscAtan2Real(Cross2(o, p), Dot2(o, p));
 }
 
 /* ... the curve: as its chord, if c is not within its points. */
-static PetscReal CurveTurn(Bezier b, const PetscReal c[2], int depth) {
+static PetscReal CurveTurn(Bezier b, Vector2 c, int depth) {
   const Block block = BlockOf(b);
   Bezier half[2];
 
@@ -47,13 +48,11 @@ static PetscBool Cuts(Bezier b, const WallPiece *line, int depth) {
   Bezier half[2];
 
   for (int k = 0; k < 4; k++) {
-    const PetscReal o[2] = {b[k][0] - line->at[0], b[k][1] - line->at[1]},
-                    off = o[0] * line->n[0] + o[1] * line->n[1],
-                    along = o[0] * line->t[0] + o[1] * line->t[1];
-    low = PetscMin(low, off);
-    high = PetscMax(high, off);
-    near = PetscMin(near, along);
-    far = PetscMax(far, along);
+    const Vector2 o = Minus2(From2(b[k]), line->at);
+    low = PetscMin(low, Dot2(o, line->n));
+    high = PetscMax(high, Dot2(o, line->n));
+    near = PetscMin(near, Dot2(o, line->t));
+    far = PetscMax(far, Dot2(o, line->t));
   }
   if (low > 0 || high < 0 || far < 0 || near > line->edge) return PETSC_FALSE;
   if (depth == DEEPEST) return PETSC_TRUE;
@@ -77,12 +76,10 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   const WallPost *post = &look->contact->walls.post[item];
   const PetscReal half = look->contact->diameter / 2, rho = post->r + half,
                   deep = half > 0 ? PetscMin(half, rho / 2) : rho / 2;
-  PetscReal at[2];
+  const Vector2 at = WallsPostAt(&look->contact->walls, item);
   Foot foot;
 
-  WallsPostAt(&look->contact->walls, item, at);
-  if (FootAbout(look->cell, at, &foot) &&
-      hypot(foot.on.x[0] - at[0], foot.on.x[1] - at[1]) < rho - deep)
+  if (FootAbout(look->cell, at, &foot) && Size2(Minus2(From2(foot.on.x), at)) < rho - deep)
     look->passes = PETSC_TRUE;
   return look->passes ? -1 : reach;
 }
@@ -103,12 +100,10 @@ static void MeetMovedEdges(Looking *look) {
 
   for (PetscInt w = 0; w < walls->n; w++) {
     const Wall *wall = &walls->wall[w];
-    PetscReal shift[2];
     Bezier moved;
     if (!wall->motion.any || wall->kind != WALL_POLYGON) continue;
-    WallShift(walls, w, walls->time, shift);
     for (int k = 0; k < 4; k++)
-      for (int d = 0; d < DIMS; d++) moved[k][d] = look->curve[k][d] - shift[d];
+      Put2(Minus2(From2(look->curve[k]), WallShift(walls, w, walls->time)), moved[k]);
     for (PetscInt k = 0; k < wall->pieces; k++)
       if (!wall->piece[k].round && Cuts(moved, &wall->piece[k], 0)) look->passes = PETSC_TRUE;
   }
@@ -117,17 +112,17 @@ static void MeetMovedEdges(Looking *look) {
 /* Is a place of the rod behind any wall, or was it on its way there? (Only between the arms of
    conduits may it come out again: what is behind the other walls has no other side, or is seen by
    its edges and posts.) */
-static PetscBool Behind(const Contact *contact, const PetscReal x0[2], const PetscReal x1[2]) {
-  const PetscReal half = contact->diameter / 2, way = hypot(x1[0] - x0[0], x1[1] - x0[1]),
+static PetscBool Behind(const Contact *contact, Vector2 x0, Vector2 x1) {
+  const Vector2 way = Minus2(x1, x0);
+  const PetscReal half = contact->diameter / 2,
                   deep = half > 0 ? half : rod_rule.lengths_behind * contact->tip;
   PetscInt n = 1;
 
   if (contact->walls.conduits)
-    n = (PetscInt)PetscMin(rod_rule.behind_states, PetscCeilReal(2 * way / deep));
+    n = (PetscInt)PetscMin(rod_rule.behind_states, PetscCeilReal(2 * Size2(way) / deep));
   for (PetscInt k = 1; k <= PetscMax(n, 1); k++) {
-    const PetscReal z = (PetscReal)k / PetscMax(n, 1);
-    PetscReal x[2];
-    for (int d = 0; d < 2; d++) x[d] = x0[d] + z * (x1[d] - x0[d]);
+    PetscReal x[3] = {0};
+    Put2(Along2(x0, (PetscReal)k / PetscMax(n, 1), way), x);
     if (WallsGap(&contact->walls, x, half) < -deep) return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -135,23 +130,19 @@ static PetscBool Behind(const Contact *contact, const PetscReal x0[2], const Pet
 
 /* ... seen from the conduits that have moved since then: so it is told to have been behind one
    where it was not only if it has gone far. */
-static PetscBool BehindMoving(const Contact *contact, PetscReal t0, const PetscReal x0[2],
-                              const PetscReal x1[2]) {
+static PetscBool BehindMoving(const Contact *contact, PetscReal t0, Vector2 x0, Vector2 x1) {
   const Walls *walls = &contact->walls;
-  PetscReal by[2], before[2];
 
-  for (PetscInt w = 0; w < walls->n; w++) {
-    if (!walls->wall[w].motion.any || walls->wall[w].kind != WALL_PATH) continue;
-    WallsCarried(walls, w, t0, by);
-    for (int d = 0; d < 2; d++) before[d] = x0[d] + by[d];
-    if (Behind(contact, before, x1)) return PETSC_TRUE;
-  }
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].motion.any && walls->wall[w].kind == WALL_PATH &&
+        Behind(contact, Plus2(x0, WallsCarried(walls, w, t0)), x1))
+      return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 static PetscBool CellIsBehind(const Contact *contact, PetscReal t0, const FootCell *before,
                               const FootCell *cell) {
-  const PetscReal *x0 = before->curve.x[1], *x1 = cell->curve.x[1];
+  const Vector2 x0 = From2(before->curve.x[1]), x1 = From2(cell->curve.x[1]);
   Looking look = {.contact = contact, .cell = cell};
   Block block;
 
@@ -191,10 +182,10 @@ typedef struct {
 } Cells;
 
 /* By how much the way of an end of a cell turns about c, as Winding() has it. */
-static PetscReal EndTurn(const Cells *cells, PetscInt k, int end, const PetscReal c[2],
-                         const PetscReal by[2]) {
-  const PetscReal *x = cells->cell[0][k].curve.x[end], before[2] = {x[0] + by[0], x[1] + by[1]};
+static PetscReal EndTurn(const Cells *cells, PetscInt k, int end, Vector2 c, Vector2 by) {
+  PetscReal before[DIMS];
 
+  Put2(Plus2(From2(cells->cell[0][k].curve.x[end]), by), before);
   return Turn(before, cells->cell[1][k].curve.x[end], c);
 }
 
@@ -209,8 +200,8 @@ static PetscReal EndTurn(const Cells *cells, PetscInt k, int end, const PetscRea
   so it does not matter which of its material is where. Of a post that moves, as it sees the rod: by
   is how far it has been carried since then, c where it is now.
 */
-static PetscReal Winding(const Cells *cells, const PetscReal c[2], const PetscReal by[2]) {
-  const PetscReal was[2] = {c[0] - by[0], c[1] - by[1]};
+static PetscReal Winding(const Cells *cells, Vector2 c, Vector2 by) {
+  const Vector2 was = Minus2(c, by);
   PetscReal sum = 0;
 
   for (PetscInt k = 0; k < cells->n; k++)
@@ -226,11 +217,11 @@ static PetscReal Winding(const Cells *cells, const PetscReal c[2], const PetscRe
 
 /* ... about a post, from the time t0 on. */
 static PetscReal PostWinding(const Walls *walls, const Cells *cells, PetscReal t0, PetscInt post) {
-  PetscReal c[2], by[2] = {0, 0};
+  const Vector2 rests = {0, 0}, by = post < walls->resting
+                                         ? rests
+                                         : WallsCarried(walls, walls->post[post].wall, t0);
 
-  WallsPostAt(walls, post, c);
-  if (post >= walls->resting) WallsCarried(walls, walls->post[post].wall, t0, by);
-  return Winding(cells, c, by);
+  return Winding(cells, WallsPostAt(walls, post), by);
 }
 
 /* Collective. */
@@ -340,7 +331,8 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
   for (PetscInt k = 0; k < n; k++) {
     const FootCell *cell = &cells.cell[1][k];
     if (CellIsBehind(contact, t0, &cells.cell[0][k], cell)) verdict[PASSES] = 1;
-    if (ContactTouches(contact, cell->curve.x[1], touch) == MOST_TOUCHES) verdict[CROWDED] = 1;
+    if (ContactTouches(2, contact, cell->curve.x[1], touch) == MOST_WALL_TOUCHES)
+      verdict[CROWDED] = 1;
     if (contact->thin) FeetFind(contact, cell, contact->smooth, &feet);
     if (feet.n == MOST_FEET) verdict[FEET] = 1;
   }
@@ -351,7 +343,7 @@ PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U
       !verdict[CROWDED], rod->scene->comm,
       "-wall_file: at t = %g %d walls or more touch the rod at one place: take out those that "
       "lie on each other",
-      (double)t1, (int)MOST_TOUCHES);
+      (double)t1, (int)MOST_WALL_TOUCHES);
   PetscCall(RodRefuseFeet(rod, t1, (PetscBool)verdict[FEET]));
   *passes = (PetscBool)(verdict[PASSES] || sweeps);
   PetscFunctionReturn(0);

@@ -43,7 +43,7 @@ static PetscBool BehindUpright(const Contact *contact, const PetscReal x[3]) {
 /* ---- where the rod is ---- */
 
 static Verdict PlaceVerdict(const Look *look, const PetscReal x[3], PetscReal r) {
-  const PetscReal gap = ContactGap3(look->contact, x, r);
+  const PetscReal gap = ContactGap(3, look->contact, x, r);
 
   if (gap < -look->deep || BehindUpright(look->contact, x)) return BEHIND;
   return gap - r >= -look->deep ? CLEAR : NEAR;
@@ -106,7 +106,7 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
   if (contact->walls.smallest > 0 && look->moving == RESTING) {
     /* the other side of the plane's walls is seen by how narrow they are */
     const PetscReal deep = DeepOnTheWay(look, contact->walls.smallest),
-                    gap = ContactGap3(contact, x, r);
+                    gap = ContactGap(3, contact, x, r);
     if (gap < -deep) return BEHIND;
     if (gap - r < -deep) {
       verdict = NEAR;
@@ -227,7 +227,7 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
   enum { PASSES, CROWDED, FEET, VERDICTS };
   int verdict[VERDICTS] = {0};
   Look look = {.contact = contact};
-  Touch3 touch[MOST_TOUCHES3];
+  Touch touch[MOST_TOUCHES];
   Feet feet = {.n = 0};
   FootCell *cell[2];
   Bezier b[2];
@@ -243,7 +243,7 @@ PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec 
   for (PetscInt k = 0; k < n && !verdict[PASSES]; k++) {
     for (int now = 0; now < 2; now++) CurveOf(&cell[now][k], b[now]);
     if (CurveIsBehind(&look, b[1], 0) || CellIsBehind(&look, t0, b[0], b[1])) verdict[PASSES] = 1;
-    if (ContactTouches3(contact, cell[1][k].curve.x[1], touch) >= MOST_SURFACES)
+    if (ContactTouches(3, contact, cell[1][k].curve.x[1], touch) >= MOST_SURFACES)
       verdict[CROWDED] = 1;
     if (contact->thin) FeetFind(contact, &cell[1][k], contact->smooth, &feet);
     if (feet.n == MOST_FEET) verdict[FEET] = 1;

@@ -141,17 +141,12 @@ static void Larger(PetscReal n2, PetscReal n3, PetscReal most[2]) {
 
 /* The walls that press on a node: the part of their normals that is across. */
 static void PressedAcross(const Rod rod, const Node *node, PetscReal most[2]) {
-  const Contact *contact = &rod->scene->contact;
+  const PetscBool space = rod->model->space;
+  Touch touch[MOST_TOUCHES];
+  PetscInt n =
+      ContactTouches(space ? 3 : 2, &rod->scene->contact, space ? node->x3 : node->x, touch);
 
-  if (rod->model->space) {
-    Touch3 touch[MOST_TOUCHES3];
-    PetscInt n = ContactTouches3(contact, node->x3, touch);
-    for (PetscInt k = 0; k < n; k++) Larger(touch[k].normal[1], touch[k].normal[2], most);
-  } else {
-    Touch touch[MOST_TOUCHES];
-    PetscInt n = ContactTouches(contact, node->x, touch);
-    for (PetscInt k = 0; k < n; k++) Larger(touch[k].normal[1], 0, most);
-  }
+  for (PetscInt k = 0; k < n; k++) Larger(touch[k].normal[1], touch[k].normal[2], most);
 }
 
 /*

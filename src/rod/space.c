@@ -4,7 +4,7 @@
      x' = g d1,  p' = g/2 p (0, u),  u = S^-1 (m.d1, m.d2, m.d3) + u0,
      m' = -g d1 x n + g l d1,  n' = g F,
 
-   F the load and l its couple about the tangent (world/load_space.h), at the velocity
+   F the load and l its couple about the tangent (world/load.h), at the velocity
    v = x_t + c d1 and the spin 2 (p* p_t)_1 + c u1,
      s = 0: x = 0, p that of the clamp, or in a hinge m.d2 = m.d3 = 0, |p| = 1 and no turn about d1
             but the clamp's, or m = 0, n = 0, |p| = 1 where it is free;
@@ -240,7 +240,7 @@ static PetscErrorCode SpaceCreate(Rod rod) {
       PetscCalloc3(points, &self->law, points * self->duals, &self->dual, points, &self->point));
   if (ContactWallsRub(&rod->scene->contact) && ContactHasRidges(&rod->scene->contact)) {
     PetscCall(PetscCalloc1(points / 2 * WALL_SLOTS, &self->foot_dual));
-    rod->memory += OF_DUAL * WALL_SLOTS;
+    rod->memory += FrictionDualReals(RUBS) * WALL_SLOTS;
   }
   if (Kinks(rod->scene)) PetscCall(PetscCalloc1(rod->end - rod->first + 2, &self->split));
   if (rod->scene->contact.self) {

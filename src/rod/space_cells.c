@@ -3,7 +3,7 @@
 #include "rod/rules.h"
 #include <string.h>
 
-static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual4 *dual,
+static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual *dual,
                         const PetscReal *u, const PetscReal *u_t, Point *p) {
   memcpy(p->p, u + P, sizeof(p->p));
   memcpy(p->m, u + M, sizeof(p->m));

@@ -33,9 +33,9 @@ typedef struct {
   Point *point; /* likewise, in the state seen, and what that was asked for */
   RodSeen seen;
   PetscBool fresh, iterates, counts;
-  FrictionDual4 *dual; /* likewise, duals of each; the tip's own where a cell behind it would be */
+  FrictionDual *dual; /* likewise, duals of each; the tip's own where a cell behind it would be */
   PetscInt duals;
-  FrictionDual4 *foot_dual; /* of cells, likewise: of their feet, WALL_SLOTS each; NULL: none */
+  FrictionDual *foot_dual; /* of cells, likewise: of their feet, WALL_SLOTS each; NULL: none */
   PetscBool *split; /* of cells, from that before node first on, in this Newton solve; NULL: none */
   StrandRows strands; /* NULL: the rod does not touch itself */
 } Space_;
@@ -54,7 +54,7 @@ typedef struct {
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
   Vec local[2];
   Law *law; /* of nodes a, mid, b of the cell */
-  FrictionDual4 *dual[3];
+  FrictionDual *dual[3];
   const PetscReal (*push)[3];   /* what strands add to n' at all points of the rod; NULL: none */
   const PetscReal (*couple)[3]; /* and to m' */
   PetscBool known;              /* the points are: the state is that of the latest walk */
@@ -74,12 +74,12 @@ static inline PetscReal SplitBow(const Cell *cell) {
 }
 
 /* f at a point whose unknowns, place and velocity are set */
-static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual4 *dual,
+static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual *dual,
                                  Point *p) {
   const PetscReal *q = p->d[0], g = law->g;
   PetscReal load_[RUBS];
 
-  LoadForce3(load, &p->at, dual, load_);
+  LoadForce(3, load, &p->at, dual, load_);
   QuaternionTurn(p->p, p->u, p->f + P);
   for (int i = 0; i < 4; i++) p->f[P + i] *= g / 2;
   p->f[M] = -g * (q[1] * p->n[2] - q[2] * p->n[1]);
@@ -142,15 +142,14 @@ static inline PetscReal NodeSpinSlope(const Law *law, const Point *p) {
 }
 
 /* The duals of point k of the rank's: of friction along the rod, and of walls. */
-static inline FrictionDual4 *Duals(const Space_ *self, PetscInt k) {
+static inline FrictionDual *Duals(const Space_ *self, PetscInt k) {
   return self->dual + k * self->duals;
 }
 
 /* Those of the feet of the cell behind node i. */
 static inline FeetHeld FeetHeldAt(const Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
-  if (!self->foot_dual) return (FeetHeld){.slots = NULL};
-  return (FeetHeld){.slots = self->foot_dual + (i - cell->rod->first + 1) * WALL_SLOTS};
+  return self->foot_dual ? self->foot_dual + (i - cell->rod->first + 1) * WALL_SLOTS : NULL;
 }
 
 void SpaceCellsForget(Space_ *self);
@@ -160,7 +159,7 @@ PetscErrorCode SpaceCellsClose(Cell *cell);
 
 /* space_ends.c */
 TipState SpaceTipOf(const Load *load, const Point *end);
-FrictionDual4 *SpaceTipDual(Rod rod);
+FrictionDual *SpaceTipDual(Rod rod);
 void SpaceClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS], PetscReal r[FIELDS]);
 void SpaceClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
                      PetscReal by[LEFT][FIELDS]);
@@ -170,7 +169,6 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J);
 PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination elimination);
 
 /* space_memory.c */
-enum { OF_DUAL = sizeof(FrictionDual4) / sizeof(PetscReal) }; /* reals of one */
 PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum);
 PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep);
 PetscInt SpaceRemembers(const Load *load);

@@ -12,10 +12,10 @@ typedef struct {
   PetscReal gives;                /* (l/h)^4, or 1: stiffness of the rod over a cell over k */
   PetscReal h[2];
   const Law *law;
-  const FrictionDual4 *dual[PLACES]; /* at the points */
-  const PetscReal (*push)[3];        /* what strands add to n' at these points; NULL: none */
-  const PetscReal (*couple)[3];      /* and to m'; NULL: none */
-  PetscReal feet[2][FOOT_LOAD];      /* what feet add in the middle of each */
+  const FrictionDual *dual[PLACES]; /* at the points */
+  const PetscReal (*push)[3];       /* what strands add to n' at these points; NULL: none */
+  const PetscReal (*couple)[3];     /* and to m'; NULL: none */
+  PetscReal feet[2][FOOT_LOAD];     /* what feet add in the middle of each */
   Point p[PLACES];
   PetscReal wall[PLACES][3];       /* what walls add to n' */
   PetscReal value[PLACES][FIELDS]; /* f at them, as the defect looks at it */
@@ -134,7 +134,7 @@ static void StripMoments(Cells *cells) {
 static void WallAt(const Cells *cells, int k, PetscReal z, PetscReal wall[3]) {
   const Point *a = cells->p + 2 * k, *b = a + 2;
   const Law *law = cells->law + 2 * k + 1;
-  const FrictionDual4 *dual = cells->dual[2 * k + 1];
+  const FrictionDual *dual = cells->dual[2 * k + 1];
   const PetscReal h = cells->h[k];
   Point with = a[1], without;
 

@@ -20,7 +20,7 @@ TipState SpaceTipOf(const Load *load, const Point *end) {
 }
 
 /* SpaceTipDual - the dual of the friction on the tip. Borrowed. */
-FrictionDual4 *SpaceTipDual(Rod rod) {
+FrictionDual *SpaceTipDual(Rod rod) {
   return Duals((const Space_ *)rod->data, 2 * (rod->last - rod->first + 1) + 1);
 }
 

@@ -12,7 +12,7 @@ static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
   for (int k = 0; k < 3; k++) {
     const PetscReal length = cell->h * weight[k] * cell->law[k].g;
     if (at[k])
-      LoadParts3(cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
+      LoadParts(3, cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
     for (int d = 0; d < 3; d++) {
       sum->friction[d] += length * end->friction[d];
       sum->walls[d] += length * end->walls[d];
@@ -21,7 +21,7 @@ static void AddForces(const Cell *cell, RodForces *end, RodForces *sum) {
   }
   for (PetscInt k = 0; k < cell->feet.n; k++)
     for (int d = 0; d < 3; d++) {
-      const Touch3 *touch = &cell->feet.touch[k];
+      const Touch *touch = &cell->feet.touch[k];
       sum->walls[d] += cell->feet.foot[k].force[d];
       if (touch->moves) sum->moved += cell->feet.foot[k].force[d] * touch->v[d];
     }
@@ -33,7 +33,7 @@ static void AddTip(const Cell *cell, RodForces *sum) {
   const TipState tip = SpaceTipOf(cell->load, cell->b);
   const PetscInt last = 2 * rod->last + 1;
 
-  sum->moved += TipWalls3(&rod->scene->tip, &tip, SpaceTipDual(rod), sum->tip);
+  sum->moved += TipWalls(3, &rod->scene->tip, &tip, SpaceTipDual(rod), sum->tip);
   for (int d = 0; d < 3; d++) sum->walls[d] += sum->tip[d];
   for (int d = 0; d < 3 && cell->push && rod->scene->tip.type == TIP_FREE; d++) {
     sum->tip[d] += cell->push[last][d];
@@ -53,7 +53,7 @@ PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum) {
     SpaceCellsNext(&cell, i);
     if (i < rod->first) continue;
     if (i == rod->first)
-      LoadParts3(cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
+      LoadParts(3, cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
     AddForces(&cell, &end, sum);
   }
   if (rod->end == rod->last + 1) AddTip(&cell, sum);
@@ -78,16 +78,16 @@ PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal 
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
-      *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.a->at, seen, cell.dual[0]));
-    *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.mid->at, seen, cell.dual[1]));
-    if (ends) *creep = LargerOf(*creep, LoadHold3(cell.load, &cell.b->at, seen, cell.dual[2]));
+      *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.a->at, seen, cell.dual[0]));
+    *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.mid->at, seen, cell.dual[1]));
+    if (ends) *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.b->at, seen, cell.dual[2]));
     if (cell.feet.n && self->foot_dual)
       *creep = LargerOf(*creep, FeetHold(&rod->scene->contact, &cell.foot_cell, &cell.feet, seen,
                                          FeetHeldAt(&cell, i)));
   }
   if (rod->end == rod->last + 1) {
     TipState tip = SpaceTipOf(cell.load, cell.b);
-    *creep = LargerOf(*creep, TipHold3(&rod->scene->tip, &tip, seen, SpaceTipDual(rod)));
+    *creep = LargerOf(*creep, TipHold(3, &rod->scene->tip, &tip, seen, SpaceTipDual(rod)));
   }
   PetscCall(SpaceCellsClose(&cell));
   SpaceCellsForget(self);
@@ -99,17 +99,18 @@ PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal 
    right, as a whole, as the frame's (frame.c); the latter's of the last node is the tip's own.
    Behind them those of the cell's feet. */
 PetscInt SpaceRemembers(const Load *load) {
-  return 2 * OF_DUAL * load->duals3;
+  return 2 * FrictionDualReals(RUBS) * load->duals3;
 }
 
 /* SpaceRemembered - value k of what is remembered at node i, in that order. */
 PetscReal *SpaceRemembered(Rod rod, PetscInt i, PetscInt k) {
   const Space_ *self = (const Space_ *)rod->data;
-  const PetscInt of_points = SpaceRemembers(&rod->scene->load), cell = i - rod->first + 1;
-  FrictionDual4 *dual = Duals(self, 2 * cell) + k / OF_DUAL;
+  const PetscInt of_points = SpaceRemembers(&rod->scene->load), cell = i - rod->first + 1,
+                 each = FrictionDualReals(RUBS);
+  FrictionDual *dual = Duals(self, 2 * cell) + k / each;
 
-  if (k >= of_points) dual = self->foot_dual + cell * WALL_SLOTS + (k - of_points) / OF_DUAL;
-  return (PetscReal *)dual + k % OF_DUAL;
+  if (k >= of_points) dual = self->foot_dual + cell * WALL_SLOTS + (k - of_points) / each;
+  return FrictionDualReal(RUBS, dual, k % each);
 }
 
 /* SpaceRecalled - it has been taken back: the points depend on it. */

@@ -9,7 +9,7 @@
 typedef struct {
   PetscReal d1[3][4], u_p[3][4], u_m[3][3];
   PetscReal f[FIELDS][FIELDS];
-  LoadSlope3 load;
+  LoadSlope load;
 } Slope;
 
 /* The derivatives of the kink that feet leave (space.c), by p in the middle of a cell and by w. */
@@ -56,12 +56,12 @@ ALWAYS_INLINE void AddProduct(int rows, int inner, int columns, PetscReal s,
 /* The derivatives at a point, its load's brought up to the present state first. By v and spin they
    are not part of f: see AddVelocity(). */
 WIDE_VECTORS static void Linearise(const Cell *cell, const Law *law, const Point *p,
-                                   FrictionDual4 *dual, Slope *slope) {
+                                   FrictionDual *dual, Slope *slope) {
   const Load *load = cell->load;
   const PetscReal g = law->g, *q = p->d[0], *u = p->u, *n = p->n;
   PetscReal(*f)[FIELDS] = slope->f, D[3][4];
 
-  LoadLinearise3(load, &p->at, cell->fresh, dual, &slope->load);
+  LoadLinearise(3, load, &p->at, cell->fresh, dual, &slope->load);
   memset(f, 0, sizeof(slope->f));
   for (int k = 0; k < 3; k++) { /* u_k = flex_k d_k.m + u0_k */
     DirectorSlope(p->p, p->size, p->d[k], k, D);
@@ -99,11 +99,11 @@ WIDE_VECTORS static void Linearise(const Cell *cell, const Law *law, const Point
 }
 
 /* Adds to the derivatives of f what comes of the couple of friction where it turns and varies. */
-static void AddCouple(const Load *load, const Law *law, const Point *p, const FrictionDual4 *dual,
+static void AddCouple(const Load *load, const Law *law, const Point *p, const FrictionDual *dual,
                       Slope *slope) {
   PetscReal l[RUBS];
 
-  LoadForce3(load, &p->at, dual, l);
+  LoadForce(3, load, &p->at, dual, l);
   for (int i = 0; i < 3; i++) {
     const PetscReal along = law->g * p->d[0][i], *by_q = slope->load.q[SPIN];
     for (int j = 0; j < 4; j++) slope->f[M + i][P + j] += law->g * l[SPIN] * slope->d1[i][j];
@@ -223,7 +223,7 @@ static void CubicSpin(const Load *load, const Law *law, const Point *p, const Sl
 }
 
 /* The derivatives at a node, with what its own rates add. */
-static void NodeSlope(const Cell *cell, const Law *law, const Point *p, FrictionDual4 *dual,
+static void NodeSlope(const Cell *cell, const Law *law, const Point *p, FrictionDual *dual,
                       const PetscReal shift[], Slope *slope) {
   PetscReal dW[RUBS][FIELDS] = {{0}};
 
@@ -235,7 +235,7 @@ static void NodeSlope(const Cell *cell, const Law *law, const Point *p, Friction
 }
 
 /* How the couple of friction at a node changes with its unknowns: 3 x FIELDS. */
-static void CoupleSlope(const Cell *cell, const Law *law, const Point *p, const FrictionDual4 *dual,
+static void CoupleSlope(const Cell *cell, const Law *law, const Point *p, const FrictionDual *dual,
                         const PetscReal shift[], const Slope *slope, PetscReal by[3][FIELDS]) {
   PetscReal dW[RUBS][FIELDS] = {{0}};
   Slope alone = *slope;
@@ -294,7 +294,7 @@ static void AddKinkSlope(const Cell *cell, int e, FootSlope by, PetscReal G[FIEL
    a, 1 for node b. With G = dy_mid/dy = I/2 + k df/dy, J = sign I - we df/dy - wm (df_mid/dy_mid G
    + df_mid/dW dW_mid/dy). feet: what those of the cell change; NULL: it has none. */
 WIDE_VECTORS static void CellJacobian(const Cell *cell, PetscReal sign, const PetscReal shift[],
-                                      const Law *law, const Point *p, const FrictionDual4 *dual,
+                                      const Law *law, const Point *p, const FrictionDual *dual,
                                       const Slope *slope, const Slope *mid, FootSlope feet,
                                       PetscReal J[FIELDS][FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;

@@ -9,7 +9,7 @@
      w as the law of friction has it,   couples a.f t on both,   f the force.
 
    What friction takes is mu p w.V. (That tangents turn, and the couples across them, are left out
-   as on walls: contact_space.h.) */
+   as on walls: contact_push.h.) */
 #include "base/clones.h"
 #include "rod/directors.h"
 #include "rod/strand_pairs.h"
@@ -58,12 +58,7 @@ static void RubInPlane(const struct _Strands *self, Pair *pair, const CurveMotio
 
 /* Brings the dual of a pair up to its slip. */
 static void Advance(const struct _Strands *self, Pair *pair, PetscBool fresh) {
-  const PetscReal v[2] = {pair->slip, 0};
-
-  if (fresh)
-    FrictionDualReset(&self->contact->rub, v, DualOf(self, pair));
-  else
-    FrictionDualAdvance(&self->contact->rub, v, DualOf(self, pair));
+  FrictionFollow(1, &self->contact->rub, &pair->slip, fresh, DualOf(self, pair));
   RubOf(self, pair);
 }
 
@@ -96,7 +91,7 @@ void PairsForget(Strands self) {
   for (PetscInt k = 0; self->dual && k < self->sides * self->samples; k++) {
     FrictionDual *dual = &self->dual[k];
     if (self->first[k] >= 0 && self->pair[self->first[k]].active) continue;
-    for (int d = 0; d < 2; d++) dual->v[d] = dual->w[d] = 0;
+    *dual = (FrictionDual){.shift = {dual->shift[0]}};
   }
 }
 
@@ -107,10 +102,10 @@ PetscErrorCode StrandsHold(Strands self, PetscReal seen, PetscReal *creep) {
   PetscFunctionBegin;
   for (PetscInt k = 0; self->dual && k < self->n; k++) {
     const Pair *pair = &self->pair[k];
-    const PetscReal v[2] = {pair->slip, 0};
     if (!pair->active || pair->p == 0) continue;
-    *creep = LargerOf(*creep, PetscMin(1, self->contact->friction * pair->p) *
-                                  FrictionDualHold(v, seen, friction_hold, DualOf(self, pair)));
+    *creep =
+        LargerOf(*creep, PetscMin(1, self->contact->friction * pair->p) *
+                             FrictionHold(1, &pair->slip, seen, friction_hold, DualOf(self, pair)));
   }
   PetscFunctionReturn(0);
 }
@@ -133,7 +128,7 @@ static PetscReal TwistOf(const struct _Strands *self, PetscInt cell) {
 }
 
 /* The spin of the material is between nodes linear, but for what slides past them: c times the
-   twist. The lever is that of contact_space.h, a = -D/2 t x n on both strands. */
+   twist. The lever is that of contact_push.h, a = -D/2 t x n on both strands. */
 static void TurningOf(const struct _Strands *self, const Spot *spot, const CurveMotion *motion,
                       const PetscReal n[3], Turning *turning) {
   const Joint *a = self->joint + spot->cell, *b = a + 1;
@@ -164,7 +159,7 @@ static void RubInSpace(const struct _Strands *self, Pair *pair, const CurveMotio
     TurningOf(self, spot[k], &motion[k], pair->n, turning);
     for (int d = 0; d < 3; d++) pair->V[d] += turning->spin * turning->a[d];
   }
-  FrictionForce4(&self->contact->rub, pair->V, &pair->dual, w);
+  FrictionForce(RUBS, &self->contact->rub, pair->V, &pair->dual, w);
   for (int d = 0; d < 3; d++) pair->w[d] = w[d];
   pair->rubs = Dot3(pair->w, pair->V);
 }
@@ -235,7 +230,7 @@ static void SlopeInSpace(const struct _Strands *self, Pair *pair, PetscBool fres
     for (int d = 0; d < 3; d++) by->slip[d][f] = dv[d] - pair->n[d] * along - dn[d] * normal;
   }
   for (int k = 0; k < 2; k++) TurningSlope(self, pair, k, &motion[k], t_by[k], by);
-  FrictionLinearise4(&self->contact->rub, pair->V, fresh, &pair->dual, pair->by);
+  FrictionLinearise(RUBS, &self->contact->rub, pair->V, fresh, &pair->dual, pair->by);
   for (int d = 0; d < 3; d++)
     for (int f = 0; f < STRAND_UNKNOWNS; f++)
       by->w[d][f] = pair->by[d][0] * by->slip[0][f] + pair->by[d][1] * by->slip[1][f] +

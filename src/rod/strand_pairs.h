@@ -41,7 +41,7 @@ typedef struct {
   PetscReal slip, w_slip;   /* in the plane: speed along the surface, and how |w| changes with it */
   PetscReal V[4], by[4][4]; /* in space: slip of the surfaces, and how w changes with it */
   Turning turning[2];       /* ... of the sample, of the foot; where there is friction */
-  FrictionDual4 dual;       /* ... and what Newton's method remembers */
+  FrictionDual dual;        /* ... and what Newton's method remembers */
 } Pair;
 
 struct _Strands {

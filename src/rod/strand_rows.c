@@ -94,21 +94,21 @@ PetscErrorCode StrandRowsHold(StrandRows self, PetscReal seen, PetscReal *creep)
 }
 
 /* What is remembered of a node and of the middle behind it: of either side, the dual. */
-enum { SIDES = 2, OF_SIDE = sizeof(FrictionDual) / sizeof(PetscReal) };
+enum { SIDES = 2, RUBBING = 2 };
 
 /* StrandRowsMemory - how many reals a node remembers of the friction between strands. */
 PetscInt StrandRowsMemory(StrandRows self) {
   FrictionDual *duals;
-  return StrandsDuals(self->strands, &duals) ? 2 * SIDES * OF_SIDE : 0;
+  return StrandsDuals(self->strands, &duals) ? 2 * SIDES * FrictionDualReals(RUBBING) : 0;
 }
 
 /* StrandRowsRemembered - the k-th of them at node i; NULL where there is none (behind the tip). */
 PetscReal *StrandRowsRemembered(StrandRows self, PetscInt i, PetscInt k) {
   FrictionDual *duals;
-  PetscInt n = StrandsDuals(self->strands, &duals), at = 2 * SIDES * i + k / OF_SIDE;
+  const PetscInt n = StrandsDuals(self->strands, &duals), each = FrictionDualReals(RUBBING),
+                 at = 2 * SIDES * i + k / each;
 
-  if (at >= n) return NULL;
-  return (PetscReal *)&duals[at] + k % OF_SIDE;
+  return at < n ? FrictionDualReal(RUBBING, &duals[at], k % each) : NULL;
 }
 
 /* StrandRowsRecalled - each rank has recalled what its own nodes remember: tells the others.
@@ -124,7 +124,7 @@ PetscErrorCode StrandRowsRecalled(Rod rod, StrandRows self) {
     PetscInt node = k / (2 * SIDES);
     if (node < rod->first || node >= rod->end) PetscCall(PetscMemzero(&duals[k], sizeof(*duals)));
   }
-  PetscCall(PetscMPIIntCast(n * OF_SIDE, &count));
+  PetscCall(PetscMPIIntCast(n * (PetscInt)(sizeof(*duals) / sizeof(PetscReal)), &count));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, duals, count, MPIU_REAL, MPI_SUM, rod->scene->comm));
   PetscFunctionReturn(0);
 }

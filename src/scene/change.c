@@ -474,8 +474,9 @@ PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscIn
                             const PetscReal x[][3], PetscBool *has) {
   const Change *change = Find("-wall_at");
   Asked asked = {.name = change->name, .t = t};
+  const Walls *walls = &scene->contact.walls;
   const PetscReal half = scene->contact.diameter / 2;
-  PetscReal lab[3], shift[3], flat[2], gap;
+  PetscReal lab[3], shift[3], gap;
   PetscInt wall, surface;
   char *text;
 
@@ -485,11 +486,10 @@ PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscIn
   PetscCall(Shift(scene, &asked, 1, shift));
   PetscCall(PetscFree(text));
   *has = PETSC_TRUE;
-  WallsDisplacement(&scene->contact.walls, shift, flat);
   for (PetscInt i = 0; i < n && *has; i++) {
     SpaceToLab(&scene->space, x[i], lab);
     gap = wall >= 0
-              ? WallGapShifted(&scene->contact.walls, wall, flat, x[i], half)
+              ? WallGapShifted(walls, wall, WallsDisplacement(walls, shift), x[i], half)
               : SurfaceShifted(&scene->contact.surfaces.surface[surface], t, shift, lab) - half;
     *has = (PetscBool)(gap >= 0);
   }

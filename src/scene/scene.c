@@ -414,7 +414,7 @@ PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal 
   PetscFunctionBegin;
   PetscCall(CheckHeld(scene, PetscSqrtReal(x[0] * x[0] + x[1] * x[1] + x[2] * x[2])));
   PetscCall(PetscArraycpy(scene->tip.x, x, 2));
-  scene->tip.x3 = x[2];
+  scene->tip.x[2] = x[2];
   PetscCall(PetscArraycpy(scene->tip.p, p, 4));
   PetscCall(LeadTip(scene, PETSC_TRUE));
   PetscFunctionReturn(0);

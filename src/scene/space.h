@@ -4,7 +4,7 @@
 #define TENDRIL_SPACE_H
 
 #include "material/curvature.h"
-#include "world/load_space.h"
+#include "world/load.h"
 #include "material/shape.h"
 #include "world/tip.h"
 #include "base/schedule.h"

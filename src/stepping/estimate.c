@@ -1,12 +1,5 @@
-#include "stepping/estimate.h"
-#include "base/blocklu.h"
-#include "base/chain.h"
-#include "rod/ask.h"
-#include "rod/coarse.h"
-#include "rod/learned.h"
+#include "stepping/estimating.h"
 #include "stepping/vbdf.h"
-#include "stepping/rules.h"
-#include "rod/rules.h"
 
 /*
   The state U of a run fails the exact equations F(t, u, u_t) = 0 by a defect d in space
@@ -31,252 +24,6 @@
   wave that buckles in a tube), a step by which an error grows much is taken again in parts, and
   what is less of both counts.
 */
-
-/* Of an error over what it is an error of, where that is not. */
-static const PetscReal unknown = -1;
-
-/* What is gathered of the coarse nodes, node after node: the state, its rate, the defect of the
-   cell behind; of the fields that have rates, which come first, local errors since the errors were
-   stepped last, and those before the latest step if that is looked at by itself. */
-typedef struct {
-  PetscReal *u, *rate, *defect, *local, *skipped;
-} Gathered;
-
-struct _Estimate {
-  Leg *leg;
-  const RodModel *model;
-  PetscInt fields, followed, mirrors; /* of a node; those that have rates, first, or all that may;
-                                         of those across */
-  PetscInt left;                      /* equations of a cell that are rows of the node behind it */
-  PetscBool touches;                  /* the rod does, or did */
-  PetscInt stride, nodes;             /* of the coarse mesh */
-  PetscInt since;                     /* steps */
-  PetscInt rejected, watch;           /* tries, so far; steps to be looked at one by one */
-  PetscReal before, size[MIRRORS];    /* when e was stepped last, and |x2|, |x3| then */
-  PetscReal time, latest[MIRRORS];    /* of the latest step, and the largest x2, x3 at it */
-  PetscInt until;                     /* times until the defect is measured again */
-  PetscReal measured[MIRRORS];        /* the largest x2, x3 when it was */
-  Gathered own, all;                  /* of this rank's nodes, 0 elsewhere; all on rank 0 */
-  PetscReal (*defect)[MAX_FIELDS];
-  PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* beyond what is early */
-  PetscReal start[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* before, for a run that ends there */
-  PetscReal began[ESTIMATE_SEEN];                 /* when there was nothing of it, at last */
-  PetscReal now[ESTIMATE_PARTS][ESTIMATE_SEEN];   /* of the state when e was stepped last */
-  PetscReal rigid[RIGID_VALUES]; /* what k dU/dk makes of its tip and energy, of itself */
-  /* rank 0: the coarse rod; NULL else */
-  Rod rod;
-  Elimination elimination; /* NULL: far parts of the rod touch, and it is a matrix */
-  Mat J;
-  KSP ksp;
-  Vec U, rate, nudged, F, G;
-  PetscReal *e[ESTIMATE_PARTS], *rhs, *b;
-  PetscReal *begun[ESTIMATE_PARTS], *once[ESTIMATE_PARTS]; /* before a step, behind it as a whole */
-};
-
-static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
-  const PetscInt u = self->nodes * self->fields, rate = self->nodes * self->followed;
-
-  PetscFunctionBegin;
-  PetscCall(PetscCalloc1(3 * u + 2 * rate, &g->u));
-  g->rate = g->u + u;
-  g->defect = g->rate + u;
-  g->local = g->defect + u;
-  g->skipped = g->local + rate;
-  PetscFunctionReturn(0);
-}
-
-/* How many cells of the run a coarse one has: an even number, for defects are those of two cells.
-   Where that is longer than the layer over which contact presses, at a length of the rod, it is
-   one: between longer ones a place where the rod touches would be lost, and what it holds go
-   astray. */
-static PetscInt Stride(const Estimate self, PetscReal reach) {
-  const Rod rod = self->leg->rod;
-  const PetscReal h = reach / rod->last, half = RodLayer(rod) / 2;
-  PetscInt most = rod->last / step_rule.estimate_cells;
-  PetscReal length = step_rule.estimate_longest;
-
-  if (self->touches) {
-    if (2 * h > half) return 1;
-    length = PetscMin(step_rule.estimate_longest, half);
-    most = rod->last;
-  }
-  return 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);
-}
-
-static PetscInt FineNode(const Estimate self, PetscInt k) {
-  return PetscMin(k * self->stride, self->leg->rod->last);
-}
-
-/* Far parts of the rod see each other, or it has more unknowns: no line of neighbours that can be
-   eliminated. */
-static PetscErrorCode CreateMatrix(Estimate self) {
-  const PetscBool held = RodEndsOf(self->rod).tip_held;
-
-  PetscFunctionBegin;
-  if (self->rod->coupled && BlockLUCan(self->nodes, self->fields)) {
-    PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
-    PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
-    PetscCall(BlockLUSetSolver(self->ksp));
-    PetscFunctionReturn(0);
-  }
-  PetscCall(RodCreateMatrix(self->rod, &self->J));
-  PetscCall(ChainCreateSolver(
-      PETSC_COMM_SELF, self->rod->coupled ? ChainFolded(held) : MATORDERINGNATURAL, &self->ksp));
-  PetscFunctionReturn(0);
-}
-
-/* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
-static PetscErrorCode CreateCoarse(Estimate self) {
-  const PetscInt n = self->nodes * self->fields;
-
-  PetscFunctionBegin;
-  PetscCall(RodCoarsen(self->leg->rod, self->nodes, self->stride, self->touches, &self->rod));
-  if (self->rod->coupled || LearnedExtra(self->rod))
-    PetscCall(CreateMatrix(self));
-  else
-    PetscCall(
-        EliminationCreate(PETSC_COMM_SELF, self->nodes, self->model->halves, &self->elimination));
-  PetscCall(DMCreateGlobalVector(self->rod->da, &self->U));
-  PetscCall(VecDuplicate(self->U, &self->rate));
-  PetscCall(VecDuplicate(self->U, &self->nudged));
-  PetscCall(VecDuplicate(self->U, &self->F));
-  PetscCall(VecDuplicate(self->U, &self->G));
-  for (int part = 0; part < ESTIMATE_PARTS; part++)
-    PetscCall(PetscCalloc3(n, &self->e[part], n, &self->begun[part], n, &self->once[part]));
-  PetscCall(PetscCalloc2(n, &self->rhs, n, &self->b));
-  PetscCall(CreateGathered(self, &self->all));
-  PetscFunctionReturn(0);
-}
-
-/* EstimateSceneChanged - the scene has been changed in the run: errors are followed on in what it
-   is now. self NULL: none are. */
-PetscErrorCode EstimateSceneChanged(Estimate self) {
-  PetscFunctionBegin;
-  if (self && self->rod) RodCoarseTake(self->rod, self->leg->rod, self->touches);
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode DestroyCoarse(Estimate self) {
-  PetscFunctionBegin;
-  PetscCall(VecDestroy(&self->U));
-  PetscCall(VecDestroy(&self->rate));
-  PetscCall(VecDestroy(&self->nudged));
-  PetscCall(VecDestroy(&self->F));
-  PetscCall(VecDestroy(&self->G));
-  for (int part = 0; part < ESTIMATE_PARTS; part++)
-    PetscCall(PetscFree3(self->e[part], self->begun[part], self->once[part]));
-  PetscCall(PetscFree2(self->rhs, self->b));
-  PetscCall(PetscFree(self->all.u));
-  PetscCall(EliminationDestroy(&self->elimination));
-  PetscCall(KSPDestroy(&self->ksp));
-  PetscCall(MatDestroy(&self->J));
-  PetscCall(RodCoarseEnd(&self->rod));
-  PetscFunctionReturn(0);
-}
-
-/* The mesh of every stride-th node, the tip in any case, with all that is on it. */
-static PetscErrorCode ChooseMesh(Estimate self, PetscInt stride) {
-  Rod rod = self->leg->rod;
-  PetscMPIInt rank;
-
-  PetscFunctionBegin;
-  self->stride = stride;
-  self->nodes = (rod->last + stride - 1) / stride + 1;
-  PetscCall(CreateGathered(self, &self->own));
-  PetscCallMPI(MPI_Comm_rank(rod->comm, &rank));
-  if (!rank) PetscCall(CreateCoarse(self));
-  PetscFunctionReturn(0);
-}
-
-/*
-  EstimateCreate - follows the errors of a leg's run from its present state on, which has none; NULL
-  if its model does not know its defects, or has too few cells. The tip must be known where it is
-  held. Collective; the caller ends it with EstimateDestroy(), before the leg.
-*/
-PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
-  Estimate self;
-
-  PetscFunctionBegin;
-  *estimate = NULL;
-  if (!leg->rod->model->defect || leg->rod->last < step_rule.estimate_least_cells)
-    PetscFunctionReturn(0);
-  PetscCall(PetscNew(&self));
-  *estimate = self;
-  self->leg = leg;
-  self->model = leg->rod->model;
-  self->fields = self->model->fields;
-  self->left = self->model->halves[0];
-  self->followed = leg->rod->learned ? self->fields : self->left;
-  self->mirrors = self->model->space ? 2 : 1;
-  PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
-  PetscCall(ChooseMesh(self, Stride(self, RodLongest(leg->rod))));
-  PetscFunctionReturn(0);
-}
-
-PetscErrorCode EstimateDestroy(Estimate *estimate) {
-  Estimate self = *estimate;
-
-  PetscFunctionBegin;
-  if (!self) PetscFunctionReturn(0);
-  PetscCall(DestroyCoarse(self));
-  PetscCall(PetscFree(self->own.u));
-  PetscCall(PetscFree(self->defect));
-  PetscCall(PetscFree(*estimate));
-  PetscFunctionReturn(0);
-}
-
-/* Errors at the nodes of another mesh, linearly between those where they were. */
-static void Interpolate(PetscInt fields, PetscInt m, const PetscReal *from, const PetscReal *old,
-                        PetscInt n, const PetscReal *to, PetscReal *new) {
-  PetscInt j = 0;
-
-  for (PetscInt k = 0; k < n; k++) {
-    PetscReal z;
-    while (j + 2 < m && from[j + 1] < to[k]) j++;
-    z = (to[k] - from[j]) / (from[j + 1] - from[j]);
-    for (PetscInt f = 0; f < fields; f++)
-      new[k * fields + f] = (1 - z) * old[j * fields + f] + z *old[(j + 1) * fields + f];
-  }
-}
-
-/* Errors go on on another mesh. Collective. */
-static PetscErrorCode Refine(Estimate self, PetscInt stride) {
-  PetscReal *s = NULL, *old = NULL;
-  PetscInt n = self->nodes, size = n * self->fields;
-  PetscBool here = (PetscBool)(self->rod != NULL);
-
-  PetscFunctionBegin;
-  self->until = 0;
-  if (here) {
-    PetscCall(PetscMalloc2(n, &s, ESTIMATE_PARTS * size, &old));
-    PetscCall(PetscArraycpy(s, self->rod->s, n));
-    for (int part = 0; part < ESTIMATE_PARTS; part++)
-      PetscCall(PetscArraycpy(old + part * size, self->e[part], size));
-    PetscCall(DestroyCoarse(self));
-  }
-  PetscCall(PetscFree(self->own.u));
-  PetscCall(ChooseMesh(self, stride));
-  for (int part = 0; part < ESTIMATE_PARTS && here; part++)
-    Interpolate(self->fields, n, s, old + part * size, self->nodes, self->rod->s, self->e[part]);
-  PetscCall(PetscFree2(s, old));
-  PetscFunctionReturn(0);
-}
-
-/* The first contact, and longer cells or a shorter layer later, ask for another mesh. Collective.
- */
-static PetscErrorCode LookAtLayer(Estimate self, PetscReal t) {
-  const PetscBool first = (PetscBool)!self->touches;
-  PetscReal length;
-  PetscInt stride;
-
-  PetscFunctionBegin;
-  if (!first && (self->stride == 1 || self->since)) PetscFunctionReturn(0);
-  self->touches = PETSC_TRUE;
-  PetscCall(RodLength(self->leg->rod, t, &length));
-  stride = Stride(self, length);
-  if (first || 2 * stride <= self->stride) PetscCall(Refine(self, stride));
-  PetscFunctionReturn(0);
-}
 
 /* By how much a size has changed. */
 static PetscReal Ratio(PetscReal now, PetscReal before) {
@@ -322,10 +69,10 @@ static void Across(const Estimate self, const PetscReal size[MAX_FIELDS],
 static PetscInt EntryOf(const Estimate self, PetscInt k, PetscInt f) {
   const Rod rod = self->leg->rod;
   const Learned learned = rod->learned;
-  PetscInt node = FineNode(self, k), field = f;
+  PetscInt node = EstimateFineNode(self, k), field = f;
 
   if (learned && f >= learned->mech + learned->per && k + 1 < self->nodes) {
-    const PetscInt both = node + FineNode(self, k + 1);
+    const PetscInt both = node + EstimateFineNode(self, k + 1);
     node = both / 2;
     if (both % 2 == 0) field -= learned->per;
   }
@@ -584,132 +331,6 @@ static PetscErrorCode SubtractSource(Estimate self, PetscReal t, int part) {
   PetscFunctionReturn(0);
 }
 
-/* The least angle that counts as a bend, where errors are parts of one. */
-static PetscReal LeastBend(const Estimate self) {
-  return self->touches ? step_rule.bend_in_contact : 0;
-}
-
-/* What an error makes of |x2|, and of |x3| in space, over the larger one, or that of a slope as
-   small as counts; none: the rod is straight. */
-static PetscReal SeeNorm(const Estimate self, PetscReal length, const PetscReal *e) {
-  const PetscReal *s = self->rod->s, *u = self->all.u;
-  const PetscInt last = self->nodes - 1, fields = self->fields;
-  const PetscReal least = PetscMax(
-      rod_rule.vanished, step_rule.steering_at_first * RodSteeredTo(self->rod) * length * length);
-  PetscReal norm[MIRRORS] = {0}, by[MIRRORS] = {0}, size = least, most, off = 0;
-
-  for (PetscInt k = 0; k <= last; k++)
-    for (PetscInt d = 1; d <= self->mirrors; d++)
-      size = PetscMax(size, PetscAbsReal(u[k * fields + d]));
-  if (size == least) return unknown;
-  for (PetscInt k = 0; k <= last; k++)
-    for (PetscInt d = 0; d < self->mirrors; d++) {
-      const PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2,
-                      y = u[k * fields + 1 + d] / size;
-      norm[d] += w * y * y;
-      by[d] += w * y * (e[k * fields + 1 + d] / size);
-    }
-  most = PetscMax(PetscMax(norm[0], norm[1]), PetscSqr(LeastBend(self) * length / size) / 3);
-  for (int d = 0; d < MIRRORS; d++)
-    if (norm[d] > 0) off = PetscMax(off, PetscAbsReal(by[d]) / PetscSqrtReal(norm[d] * most));
-  return off;
-}
-
-/* What an error makes of the energy: change, and seen, over it, or that of an arc as small as
-   counts; none: there is none. */
-static PetscErrorCode SeeEnergy(const Estimate self, PetscReal t, const PetscReal *e,
-                                PetscReal *seen, PetscReal *change) {
-  const PetscReal *s = self->rod->s;
-  const PetscInt last = self->nodes - 1, fields = self->fields,
-                 moments = self->model->space ? 3 : 1;
-  PetscReal energy = 0, by = 0, size = rod_rule.vanished, length;
-
-  PetscFunctionBegin;
-  *change = 0;
-  for (PetscInt k = 0; k <= last; k++)
-    for (PetscInt d = 0; d < moments; d++)
-      size = PetscMax(size, PetscAbsReal(self->all.u[k * fields + self->left + d]));
-  for (PetscInt k = 0; k <= last; k++) {
-    PetscReal w = (s[PetscMin(k + 1, last)] - s[PetscMax(k - 1, 0)]) / 2, g, S[3], m[3], dm[3];
-    PetscCall(RodStiffnessAt(self->rod, k, t, &g, S));
-    self->model->moments(self->all.u + k * fields, e + k * fields, m, dm);
-    for (PetscInt d = 0; d < moments; d++) {
-      energy += w * g / S[d] * PetscSqr(m[d] / size);
-      by += 2 * w * g / S[d] * (m[d] / size) * (dm[d] / size);
-    }
-  }
-  PetscCall(RodLength(self->rod, t, &length));
-  if (size == rod_rule.vanished ||
-      energy / 2 * size * size <
-          PetscMax(RodRounding(self->rod, length),
-                   step_rule.steering_at_first * PetscSqr(RodSteeredTo(self->rod)) * length)) {
-    *seen = unknown;
-    PetscFunctionReturn(0);
-  }
-  *seen = PetscAbsReal(by) / PetscMax(energy, PetscSqr(LeastBend(self) / size) / length);
-  *change = by / 2 * size * size;
-  PetscFunctionReturn(0);
-}
-
-/* What an error makes of tip, |x2| and energy, relative; of tip and energy as it is, too. */
-static PetscErrorCode See(const Estimate self, PetscReal t, const PetscReal *e,
-                          PetscReal seen[ESTIMATE_SEEN], PetscReal change[RIGID_VALUES]) {
-  const PetscInt tip = (self->nodes - 1) * self->fields;
-  PetscReal off = 0, distance = 0, length;
-
-  PetscFunctionBegin;
-  PetscCall(RodLength(self->rod, t, &length));
-  for (PetscInt d = 0; d <= self->mirrors; d++) {
-    off = hypot(off, e[tip + d]);
-    change[RIGID_TIP + d] = e[tip + d];
-    distance = hypot(distance, self->all.u[tip + d]);
-  }
-  seen[ESTIMATE_TIP] = off / PetscMax(distance, rod_rule.vanished);
-  seen[ESTIMATE_NORM] = SeeNorm(self, length, e);
-  PetscCall(SeeEnergy(self, t, e, &seen[ESTIMATE_ENERGY], &change[RIGID_ENERGY]));
-  PetscFunctionReturn(0);
-}
-
-/* EstimateIsEarly - is an error of this kind at t one of a start, which does not count? */
-PetscBool EstimateIsEarly(Estimate self, PetscReal t, int k) {
-  return (PetscBool)(t - self->began[k] <= step_rule.estimate_early * RodEndTime(self->leg->rod));
-}
-
-/* Beyond 1 an error is no small one any more, and the linear equations say nothing. What was seen
-   early fades as time goes on,
-
-    start(t) = max(seen(t), start(before) before / t),
-
-   so that what the start does is over by the end of a run that stops soon. What there is nothing of
-   for a while, as of the energy of a rod at rest that a wall will meet, starts when it begins: of
-   what is next to nothing then, a part says little. */
-static PetscErrorCode Keep(Estimate self, PetscReal t, int part) {
-  PetscReal seen[ESTIMATE_SEEN] = {0}, most = 0, *e = self->e[part], *start = self->start[part],
-            change[RIGID_VALUES] = {0};
-  const PetscReal *began = self->began;
-
-  PetscFunctionBegin;
-  PetscCall(See(self, t, e, seen, change));
-  if (part == ESTIMATE_SOFT) PetscCall(PetscArraycpy(self->rigid, change, RIGID_VALUES));
-  for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    PetscReal *worst = &self->worst[part][k], told;
-    if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
-    if (seen[k] == unknown) self->began[k] = t;
-    if (began[k] == 0 || !EstimateIsEarly(self, t, k)) most = PetscMax(most, seen[k]);
-    told = seen[k] == unknown ? 0 : PetscMin(1, seen[k]);
-    if (seen[k] == unknown)
-      start[k] = 0;
-    else if (EstimateIsEarly(self, t, k))
-      start[k] = PetscMax(told, start[k] * (self->before - began[k]) / (t - began[k]));
-    else
-      *worst = PetscMax(*worst, told);
-    self->now[part][k] = told;
-  }
-  for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
-    e[i] = most < PETSC_MAX_REAL ? e[i] / most : 0;
-  PetscFunctionReturn(0);
-}
-
 /* Not more than e^30 up or down in a step. */
 static PetscReal Limited(PetscReal ratio) {
   return PetscExpReal(PetscMax(-step_rule.estimate_change,
@@ -787,7 +408,7 @@ static PetscErrorCode Largest(const Estimate self, PetscReal t, PetscReal *large
   *grows = PETSC_FALSE;
   for (int part = 0; part < ESTIMATE_PARTS; part++) {
     if (!Errs(self, part)) continue;
-    PetscCall(See(self, t, self->e[part], seen, change));
+    PetscCall(EstimateSee(self, t, self->e[part], seen, change));
     for (int k = 0; k < ESTIMATE_SEEN; k++) {
       if (PetscIsInfOrNanReal(seen[k])) seen[k] = PETSC_MAX_REAL;
       if (seen[k] > PetscMax(step_rule.estimate_growth * self->now[part][k], self->leg->rtol))
@@ -838,7 +459,7 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
   PetscCall(PutState(self));
   PetscCall(StepWhatGrows(self, t, rate, ratio));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
-    if (Errs(self, part)) PetscCall(Keep(self, t, part));
+    if (Errs(self, part)) PetscCall(EstimateCount(self, t, part));
   PetscFunctionReturn(0);
 }
 
@@ -910,7 +531,7 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(TSGetTime(self->leg->ts, &t));
-  if (touches) PetscCall(LookAtLayer(self, t));
+  if (touches) PetscCall(EstimateLookAtLayer(self, t));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
   Across(self, size, across);
   PetscCall(LookForKink(self, &times_error));
@@ -975,144 +596,5 @@ PetscErrorCode EstimateSet(Estimate self, PetscReal t,
   self->before = self->time = t;
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     PetscCall(PetscArraycpy(self->worst[part], worst[part], ESTIMATE_SEEN));
-  PetscFunctionReturn(0);
-}
-
-/* ---- for a restart ---- */
-
-/* A vector of the rod from the first fields of the coarse nodes on rank 0, linearly between them.
-   Collective. */
-static PetscErrorCode Spread(Estimate self, PetscInt width, const PetscReal *coarse, Vec V) {
-  const PetscInt fields = self->fields, count = self->nodes * width;
-  const Rod rod = self->leg->rod;
-  const PetscReal *s = rod->s;
-  PetscScalar *v;
-  PetscReal *c;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(count, &c));
-  if (self->rod) PetscCall(PetscArraycpy(c, coarse, count));
-  PetscCallMPI(MPI_Bcast(c, (PetscMPIInt)count, MPIU_REAL, 0, rod->comm));
-  PetscCall(VecSet(V, 0));
-  PetscCall(VecGetArray(V, &v));
-  for (PetscInt i = rod->first; i < rod->end; i++) {
-    const PetscInt k = PetscMin(i / self->stride, self->nodes - 2), a = FineNode(self, k),
-                   b = FineNode(self, k + 1);
-    const PetscReal z = (s[i] - s[a]) / (s[b] - s[a]);
-    for (PetscInt f = 0; f < width; f++)
-      v[(i - rod->first) * fields + f] = (1 - z) * c[k * width + f] + z * c[(k + 1) * width + f];
-  }
-  PetscCall(VecRestoreArray(V, &v));
-  PetscCall(PetscFree(c));
-  PetscFunctionReturn(0);
-}
-
-/* The first fields of the coarse nodes, on rank 0, from a vector of the rod. Collective. */
-static PetscErrorCode Pick(Estimate self, PetscInt width, Vec V, PetscReal *coarse) {
-  const PetscScalar *v;
-  VecScatter to_zero;
-  Vec all;
-
-  PetscFunctionBegin;
-  PetscCall(VecScatterCreateToZero(V, &to_zero, &all));
-  PetscCall(VecScatterBegin(to_zero, V, all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecScatterEnd(to_zero, V, all, INSERT_VALUES, SCATTER_FORWARD));
-  PetscCall(VecGetArrayRead(all, &v));
-  for (PetscInt k = 0; k < self->nodes && self->rod; k++)
-    for (PetscInt f = 0; f < width; f++)
-      coarse[k * width + f] = PetscRealPart(v[FineNode(self, k) * self->fields + f]);
-  PetscCall(VecRestoreArrayRead(all, &v));
-  PetscCall(VecScatterDestroy(&to_zero));
-  PetscCall(VecDestroy(&all));
-  PetscFunctionReturn(0);
-}
-
-/* What is remembered beside errors: numbers to read from and to write to. */
-static void Remembered(Estimate self, PetscReal *number[ESTIMATE_NUMBERS]) {
-  PetscInt n = 0;
-
-  number[n++] = &self->before;
-  number[n++] = &self->time;
-  for (int k = 0; k < MIRRORS; k++) {
-    number[n++] = &self->size[k];
-    number[n++] = &self->latest[k];
-    number[n++] = &self->measured[k];
-  }
-  for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    number[n++] = &self->began[k];
-    for (int part = 0; part < ESTIMATE_PARTS; part++) {
-      number[n++] = &self->start[part][k];
-      number[n++] = &self->now[part][k];
-    }
-  }
-  for (int k = 0; k < RIGID_VALUES; k++) number[n++] = &self->rigid[k];
-}
-
-/* EstimateVectors - room for what EstimateKeep() keeps; the caller ends it with
-   EstimateVectorsDestroy(). Collective. */
-PetscErrorCode EstimateVectors(Estimate self, Vec errors[ESTIMATE_KEPT]) {
-  PetscFunctionBegin;
-  for (int k = 0; k < ESTIMATE_KEPT; k++) PetscCall(VecDuplicate(self->leg->U, &errors[k]));
-  PetscFunctionReturn(0);
-}
-
-/* EstimateVectorsDestroy - self NULL: there are none. */
-PetscErrorCode EstimateVectorsDestroy(Estimate self, Vec errors[ESTIMATE_KEPT]) {
-  PetscFunctionBegin;
-  for (int k = 0; k < ESTIMATE_KEPT && self; k++) PetscCall(VecDestroy(&errors[k]));
-  PetscFunctionReturn(0);
-}
-
-/*
-  EstimateKeep - what it takes to go on with the errors that have been followed. Collective.
-
-  memory  numbers
-  errors  of EstimateVectors(): the errors of each part, what steps have added since these were
-          stepped last, and the defect measured last
-*/
-PetscErrorCode EstimateKeep(Estimate self, PetscReal memory[ESTIMATE_MEMORY],
-                            Vec errors[ESTIMATE_KEPT]) {
-  const PetscInt followed = self->followed, count = self->nodes * followed,
-                 whole = self->nodes * self->fields;
-  PetscReal *number[ESTIMATE_NUMBERS], *own, *all;
-  MPI_Comm comm = self->leg->rod->comm;
-
-  PetscFunctionBegin;
-  memory[0] = self->touches ? (PetscReal)self->stride : 0;
-  memory[1] = (PetscReal)self->since;
-  memory[2] = (PetscReal)self->watch;
-  memory[3] = (PetscReal)self->until;
-  memory[4] = (PetscReal)self->stride;
-  Remembered(self, number);
-  for (int k = 0; k < ESTIMATE_NUMBERS; k++) memory[ESTIMATE_COUNTS + k] = *number[k];
-  for (int part = 0; part < ESTIMATE_PARTS; part++)
-    PetscCall(Spread(self, self->fields, self->e[part], errors[part]));
-  PetscCall(PetscMalloc2(count, &own, whole, &all));
-  for (PetscInt i = 0; i < count; i++) own[i] = self->own.local[i] + self->own.skipped[i];
-  PetscCallMPI(MPI_Reduce(own, all, (PetscMPIInt)count, MPIU_REAL, MPI_SUM, 0, comm));
-  PetscCall(Spread(self, followed, all, errors[ESTIMATE_PARTS]));
-  PetscCallMPI(MPI_Reduce(self->own.defect, all, (PetscMPIInt)whole, MPIU_REAL, MPI_SUM, 0, comm));
-  PetscCall(Spread(self, self->fields, all, errors[ESTIMATE_PARTS + 1]));
-  PetscCall(PetscFree2(own, all));
-  PetscFunctionReturn(0);
-}
-
-/* EstimateTake - goes on with what EstimateKeep() has kept, behind EstimateSet(). Collective. */
-PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMORY],
-                            Vec errors[ESTIMATE_KEPT]) {
-  PetscReal *number[ESTIMATE_NUMBERS];
-
-  PetscFunctionBegin;
-  self->touches = (PetscBool)(memory[0] != 0);
-  if (self->stride != (PetscInt)memory[4]) PetscCall(Refine(self, (PetscInt)memory[4]));
-  self->since = (PetscInt)memory[1];
-  self->watch = (PetscInt)memory[2];
-  self->until = (PetscInt)memory[3];
-  Remembered(self, number);
-  for (int k = 0; k < ESTIMATE_NUMBERS; k++) *number[k] = memory[ESTIMATE_COUNTS + k];
-  for (int part = 0; part < ESTIMATE_PARTS; part++)
-    PetscCall(Pick(self, self->fields, errors[part], self->e[part]));
-  PetscCall(Pick(self, self->followed, errors[ESTIMATE_PARTS], self->own.local));
-  PetscCall(Pick(self, self->fields, errors[ESTIMATE_PARTS + 1], self->own.defect));
   PetscFunctionReturn(0);
 }

@@ -111,7 +111,7 @@ static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
 
 /*
   Hopeless - will the iteration of a rod that can touch not arrive? Most that fail went on to the
-  last of them: full steps run wild, to residuals of 1e10; those that are cut creep along in ever
+  last of them: full steps diverge, to residuals of 1e10; those that are cut stall in ever
   shorter ones. The former are given up where the residual has been so many times that of the guess,
   so many times in a row (one that finds its way from far out of balance comes back from there), but
   not before the EARLIEST (the first are, of a rod that leaves a stiff wall), the latter where it
@@ -122,11 +122,12 @@ static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBo
                   halves = (PetscBool)(residual <= step_rule.stalls * self->halved);
 
   if (begins || halves) self->halved = residual;
-  self->creeps = begins || halves ? 0 : self->creeps + 1;
-  self->wild = !begins && residual > step_rule.diverges * self->guess ? self->wild + 1 : 0;
-  return (PetscBool)(RodTouches(self->rod) && (cut ? self->creeps >= step_rule.stalls_iterations
-                                                   : it >= step_rule.diverges_earliest &&
-                                                         self->wild >= step_rule.diverges_times));
+  self->stalled = begins || halves ? 0 : self->stalled + 1;
+  self->diverges = !begins && residual > step_rule.diverges * self->guess ? self->diverges + 1 : 0;
+  return (PetscBool)(RodTouches(self->rod) &&
+                     (cut ? self->stalled >= step_rule.stalls_iterations
+                          : it >= step_rule.diverges_earliest &&
+                                self->diverges >= step_rule.diverges_times));
 }
 
 /* The speed at which a place that is held must creep to be seen in this step: to go as far as the

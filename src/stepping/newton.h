@@ -23,8 +23,8 @@ typedef struct {
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscReal guess;            /* the largest residual of the guess */
   PetscReal halved;           /* the largest residual when it last had halved */
-  PetscInt creeps;            /* how many iterations ago that was */
-  PetscInt wild;              /* for how many it has been far above that of the guess */
+  PetscInt stalled;           /* how many iterations ago that was */
+  PetscInt diverges;          /* for how many it has been far above that of the guess */
   PetscInt holds;             /* how often sticking points were held anew */
   PetscInt waits;             /* how many iterations forces have been waited for */
 } Newton;

@@ -161,7 +161,7 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
     self->now->jumps = jumps;
     if (jumped && !layered) self->kept.snaps++;
   }
-  if (self->by_steps) PetscCall(ObserverGetBalance(self->observer, self->balance));
+  if (self->by_steps) ObserverGetBalance(self->observer, self->balance);
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, U ? self->now : NULL,
                             &self->seen));
   self->force_before = GrowBaseForce(&last);
@@ -419,7 +419,7 @@ PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Run(Grow *self, PetscBool *anew) {
+static PetscErrorCode Run(Grow *self, PetscBool *again) {
   PetscErrorCode error;
 
   PetscFunctionBegin;
@@ -428,12 +428,12 @@ static PetscErrorCode Run(Grow *self, PetscBool *anew) {
   error = Follow(self);
   if (error) (void)GrowEnd(self, PETSC_FALSE); /* what has been computed is not lost */
   PetscCall(error);
-  PetscCall(GrowFinish(self, anew));
+  PetscCall(GrowFinish(self, again));
   PetscFunctionReturn(0);
 }
 
-/* GrowAnew - ends a run, whose scene is then ready to be run once more, with soft contact. */
-PetscErrorCode GrowAnew(Grow *self) {
+/* GrowStartOver - ends a run, whose scene is then ready to be run once more, with soft contact. */
+PetscErrorCode GrowStartOver(Grow *self) {
   const Grow begun = {.scene = self->scene, .member = self->member, .by_steps = self->by_steps};
   const Load load = self->load;
 
@@ -450,18 +450,18 @@ PetscErrorCode GrowAnew(Grow *self) {
    contact, which lets it in. So what one run cannot bring to its end another one is to, from the
    beginning: a law that gave way in the course of a run would leave the rod out of balance. */
 static PetscErrorCode CreateAndRun(Grow *self, const char *output, const char *restart) {
-  PetscBool anew = PETSC_FALSE;
+  PetscBool again = PETSC_FALSE;
   PetscErrorCode error;
 
   PetscFunctionBegin;
   do {
-    if (anew) PetscCall(GrowAnew(self));
-    anew = PETSC_FALSE;
+    if (again) PetscCall(GrowStartOver(self));
+    again = PETSC_FALSE;
     error = GrowCreate(self, output, restart);
-    if (!error) error = Run(self, &anew);
+    if (!error) error = Run(self, &again);
     if (error) PetscCall(GrowDestroy(self));
     PetscCall(error);
-  } while (anew);
+  } while (again);
   PetscCall(GrowDestroy(self));
   SceneAtSpeed(self->scene, 0);
   PetscFunctionReturn(0);

@@ -158,7 +158,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
             self->scene->comm, "-rod_model: the run in -restart %s was of another model", restart);
   self->now = &self->leg[(int)state->model];
   PetscCall(RestartTake(restart, state, self->now));
-  PetscCall(ObserverSetBalance(self->observer, state->balance));
+  ObserverSetBalance(self->observer, state->balance);
   PetscCall(RestartTakeErrors(restart, state, self->estimate));
   if (state->laws.falls > 0) SceneAtSpeed(self->scene, state->laws.falls);
   PetscCall(PetscArraycpy(self->counted, state->counted, 2));

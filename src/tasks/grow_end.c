@@ -277,23 +277,23 @@ PetscErrorCode GrowEnd(Grow *self, PetscBool finished) {
   GrowFinish - what a run leaves that is over, and the line for an end that was not asked for.
   Collective.
 
-  anew  it was in vain, and is to be run once more, with soft contact: see GrowAnew()
+  again  it was in vain, and is to be run once more, with soft contact: see GrowStartOver()
 */
-PetscErrorCode GrowFinish(Grow *self, PetscBool *anew) {
+PetscErrorCode GrowFinish(Grow *self, PetscBool *again) {
   PetscErrorCode error = (PetscErrorCode)0;
   char text[64];
 
   PetscFunctionBegin;
-  *anew = GrowFindsNoWay(self);
-  if (!*anew) error = SumUp(self);
+  *again = GrowFindsNoWay(self);
+  if (!*again) error = SumUp(self);
   if (error) (void)GrowEnd(self, PETSC_FALSE); /* what has been computed is not lost */
   PetscCall(error);
-  if (*anew && !self->quiet)
+  if (*again && !self->quiet)
     PetscCall(PetscPrintf(self->scene->comm,
                           "t = %s: no way is found in contact that gets firmer where the rod is "
                           "pressed in: the run begins anew with contact that does not\n",
                           OptionBoth(self->seen.t, UNIT_TIME, text)));
-  if (*anew) PetscFunctionReturn(0);
+  if (*again) PetscFunctionReturn(0);
   PetscCall(GrowEnd(self, (PetscBool)(self->reason == TS_CONVERGED_TIME || self->event.kind)));
   if (self->member) self->member->stopped = (PetscBool)(self->stopped != 0);
   PetscCall(Verdict(self));

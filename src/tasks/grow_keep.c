@@ -17,7 +17,7 @@ static PetscErrorCode KeepRun(Grow *self, RestartState *state) {
   state->kept.crawl_half = self->crawl.half;
   state->kept.crawl_steps = (PetscReal)self->crawl.steps;
   state->kept.crawl_at = self->crawl.at;
-  PetscCall(ObserverGetBalance(self->observer, state->balance));
+  ObserverGetBalance(self->observer, state->balance);
   PetscCall(GrowCount(self, state->counted));
   PetscFunctionReturn(0);
 }
@@ -63,11 +63,11 @@ static PetscErrorCode LookWithin(Grow *self, PetscReal t, Vec U, Vec U_t,
   PetscReal balance[BALANCE_STATE];
 
   PetscFunctionBegin;
-  PetscCall(ObserverGetBalance(self->observer, balance));
-  PetscCall(ObserverSetBalance(self->observer, begin ? begin : balance));
+  ObserverGetBalance(self->observer, balance);
+  ObserverSetBalance(self->observer, begin ? begin : balance);
   PetscCall(ObserverMeasure(self->observer, self->now->rod, t, U, U_t, NULL, &state->seen));
-  PetscCall(ObserverGetBalance(self->observer, state->balance));
-  PetscCall(ObserverSetBalance(self->observer, balance));
+  ObserverGetBalance(self->observer, state->balance);
+  ObserverSetBalance(self->observer, balance);
   PetscCall(SceneContactAt(self->scene, law));
   PetscFunctionReturn(0);
 }

@@ -100,12 +100,12 @@ PetscErrorCode GrowStep(Grow *self, PetscReal until);
 PetscErrorCode GrowWithin(Grow *self, PetscReal t, Vec V[2], PetscReal *begin);
 PetscErrorCode GrowSettle(Grow *self, PetscReal t);
 PetscErrorCode GrowChange(Grow *self, PetscBool acts);
-PetscErrorCode GrowAnew(Grow *self);
+PetscErrorCode GrowStartOver(Grow *self);
 
 /* grow_end.c */
 PetscReal GrowBaseForce(const Observation *seen);
 PetscErrorCode GrowEnd(Grow *self, PetscBool finished);
-PetscErrorCode GrowFinish(Grow *self, PetscBool *anew);
+PetscErrorCode GrowFinish(Grow *self, PetscBool *again);
 
 /* grow_changes.c */
 PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);

@@ -293,7 +293,7 @@ static PetscErrorCode GoOnEach(Run *self, PetscInt k, Vec all[]) {
   Vec errors[ESTIMATE_KEPT];
 
   PetscFunctionBegin;
-  PetscCall(ObserverSetBalance(grow->observer, state->balance));
+  ObserverSetBalance(grow->observer, state->balance);
   PetscCall(EstimateSet(grow->estimate, state->t, state->errors));
   if (grow->estimate && state->follows != 0) {
     PetscCall(EstimateVectors(grow->estimate, errors));

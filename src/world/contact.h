@@ -49,21 +49,11 @@ typedef struct {
   PetscReal friction;     /* mu_c between strands, and of walls without their own */
   Friction rub;           /* how contact friction is regularised: dry, of strength 1 */
   Walls walls;
-  Surfaces surfaces; /* in space (contact_space.h) */
+  Surfaces surfaces; /* in space (contact_push.h) */
   PetscReal lab[3][3],
       upright[3][3];            /* from the clamp's frame to that of surfaces, and of walls, */
   PetscReal place[3], stand[3]; /* in which the clamp is here */
 } Contact;
-
-/* Where on a surface, and what it does there: the force on the rod per length (of its tip: times
-   l), and its derivatives. */
-typedef struct {
-  PetscReal force[2]; /* normal and friction together */
-  PetscReal normal;   /* p */
-  PetscReal rubbing;  /* mu_c p w, the part of friction along the surface */
-  PetscReal v[2][2], x[2][2];
-  PetscReal power; /* lost to friction */
-} Push;
 
 extern const OptionGroup contact_options;
 
@@ -79,13 +69,6 @@ PetscReal ContactPostShare(const Contact *contact, PetscReal rho, PetscReal *sha
 PetscReal ContactPostShareSlope(const Contact *contact, PetscReal rho);
 PetscErrorCode ContactDestroy(Contact *contact);
 PetscErrorCode ContactWallsText(const Contact *contact, char **text);
-PetscInt ContactTouches(const Contact *contact, const PetscReal x[2], Touch touch[MOST_TOUCHES]);
-void ContactPush(const Contact *contact, const Touch *touch, const PetscReal v[2],
-                 const FrictionDual *dual, Push *push);
-void ContactPushSlope(const Contact *contact, const Touch *touch, const PetscReal v[2],
-                      PetscBool fresh, FrictionDual *dual, Push *push);
-PetscReal ContactHold(const Contact *contact, const PetscReal x[2], const PetscReal v[2],
-                      PetscReal seen, FrictionDual duals[]);
 
 /* The friction of a wall of the plane, and of a surface. */
 static inline PetscReal ContactWallFriction(const Contact *contact, PetscInt wall) {
@@ -190,11 +173,10 @@ static inline PetscReal ContactEnergyRate(const Contact *contact, PetscReal gap)
    direction is that of a scalar. */
 static inline PetscReal ContactRub(const Contact *contact, PetscReal u, const FrictionDual *dual,
                                    PetscReal *slope) {
-  const PetscReal v[2] = {u, 0};
-  PetscReal f[2], by[2][2];
+  PetscReal f[RUBS], by[RUBS][RUBS];
 
-  FrictionForce(&contact->rub, v, dual, f);
-  FrictionLinearise(&contact->rub, v, dual, by);
+  FrictionForce(1, &contact->rub, &u, dual, f);
+  FrictionSlope(1, &contact->rub, &u, dual, by);
   *slope = by[0][0];
   return f[0];
 }

@@ -1,4 +1,5 @@
 #include "world/friction.h"
+#include "base/clones.h"
 
 static const OptionRow rows[] = {
     ROW_REAL("-friction_mu", "1", 0, 1, UNIT_NONE, 0,
@@ -27,71 +28,61 @@ PetscErrorCode FrictionSetFromOptions(Friction *friction) {
   PetscFunctionReturn(0);
 }
 
-/* What is said of two components below holds for n, which is known when this is compiled. */
 static inline PetscReal Dot(int n, const PetscReal a[], const PetscReal b[]) {
   PetscReal sum = a[0] * b[0];
   for (int i = 1; i < n; i++) sum += a[i] * b[i];
   return sum;
 }
 
-static inline PetscReal Radius(const Friction *law, int n, const PetscReal v[],
-                               const PetscReal shift[], PetscReal u[]) {
-  for (int i = 0; i < n; i++) u[i] = v[i] + shift[i];
-  return PetscSqrtReal(Dot(n, u, u) + (law->beta > 0 ? law->beta : friction_tiny));
-}
-
-static inline void Reset(const Friction *law, int n, const PetscReal v[], PetscReal seen[],
-                         PetscReal dual[], const PetscReal shift[]) {
+/* n is known below when this is compiled. */
+ALWAYS_INLINE void Reset(const Friction *law, int n, const PetscReal v[], FrictionDual *dual) {
   const PetscReal near = 0.2;
-  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), w[4], d[4];
+  PetscReal u[RUBS], inverse = 1 / FrictionRadius(n, law, v, dual->shift, u), w[RUBS], d[RUBS];
 
   for (int i = 0; i < n; i++) {
     w[i] = u[i] * inverse;
-    d[i] = w[i] - dual[i];
-    seen[i] = v[i];
+    d[i] = w[i] - dual->w[i];
+    dual->v[i] = v[i];
   }
-  for (int i = 0; i < n && Dot(n, d, d) < near * near; i++) dual[i] = w[i];
+  if (!(FrictionSquare(n, d) < near * near)) return;
+  for (int i = 0; i < n; i++) dual->w[i] = w[i];
 }
 
-static inline void Advance(const Friction *law, int n, const PetscReal v[], PetscReal seen[],
-                           PetscReal w[], const PetscReal shift[]) {
-  PetscReal u[4], r = Radius(law, n, seen, shift, u), dv[4], size, along;
+ALWAYS_INLINE void Advance(const Friction *law, int n, const PetscReal v[], FrictionDual *dual) {
+  PetscReal u[RUBS], r = FrictionRadius(n, law, dual->v, dual->shift, u), dv[RUBS], *w = dual->w,
+                     size, along;
 
-  for (int i = 0; i < n; i++) dv[i] = v[i] - seen[i];
+  for (int i = 0; i < n; i++) dv[i] = v[i] - dual->v[i];
   along = Dot(n, u, dv) / r;
   for (int i = 0; i < n; i++) w[i] = (u[i] + dv[i] - w[i] * along) / r;
-  size = PetscSqrtReal(Dot(n, w, w));
+  size = PetscSqrtReal(FrictionSquare(n, w));
   for (int i = 0; i < n; i++) {
     if (size > 1) w[i] /= size;
-    seen[i] = v[i];
+    dual->v[i] = v[i];
   }
 }
 
-static inline void Slope(const Friction *law, int n, const PetscReal v[], const PetscReal dual[],
-                         const PetscReal shift[], PetscReal *slope) {
-  PetscReal u[4], inverse = 1 / Radius(law, n, v, shift, u), d = law->mu * inverse,
-                  v2 = Dot(n, v, v), viscous = FrictionViscous(law, v2), rises = 0;
+ALWAYS_INLINE void Follow(const Friction *law, int n, const PetscReal v[], PetscBool fresh,
+                          FrictionDual *dual) {
+  if (fresh)
+    Reset(law, n, v, dual);
+  else
+    Advance(law, n, v, dual);
+}
+
+ALWAYS_INLINE void Slope(const Friction *law, int n, const PetscReal v[], const FrictionDual *dual,
+                         PetscReal slope[RUBS][RUBS]) {
+  PetscReal u[RUBS], inverse = 1 / FrictionRadius(n, law, v, dual->shift, u), d = law->mu * inverse,
+                     v2 = FrictionSquare(n, v), viscous = FrictionViscous(law, v2), rises = 0;
 
   if (law->least > 0) rises = 2 * law->least * PetscSqr(law->fast / (v2 + law->fast * law->fast));
   if (law->own) rises = 2 * FrictionOwn(law, v2, 1);
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
-      PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual[i];
-      slope[n * i + j] = (i == j) * (viscous + d) - d * w * (u[j] * inverse);
-      if (rises != 0) slope[n * i + j] += rises * v[i] * v[j];
+      PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual->w[i];
+      slope[i][j] = (i == j) * (viscous + d) - d * w * (u[j] * inverse);
+      if (rises != 0) slope[i][j] += rises * v[i] * v[j];
     }
-}
-
-static inline PetscReal Hold(int n, const PetscReal v[], PetscReal seen, PetscReal hold,
-                             PetscReal shift[]) {
-  const PetscReal longest = hold * PetscSqrtReal(friction_tiny);
-  PetscReal u[4], size, speed = PetscSqrtReal(Dot(n, v, v)), part = speed < seen ? speed / seen : 1;
-  PetscBool slides = (PetscBool)(speed > longest);
-
-  for (int i = 0; i < n; i++) u[i] = part * v[i] + shift[i];
-  size = PetscSqrtReal(Dot(n, u, u));
-  for (int i = 0; i < n; i++) shift[i] = slides ? 0 : size > longest ? u[i] * longest / size : u[i];
-  return slides ? 0 : speed;
 }
 
 /* FrictionOwnBetween - FrictionBetween() of a law of one's own, by Gauss's rule: exact for a phi
@@ -111,57 +102,64 @@ PetscReal FrictionOwnBetween(const Friction *law, PetscReal a, PetscReal b) {
 }
 
 /*
-  FrictionDualReset - begins a Newton solve at v. The dual w = u/r makes the first linearisation
-  Newton's own, which is best if it is near the dual of the step before. Where it is not, the guess
-  for v is but noise around rest (tiny beta), and the old dual is the better one.
+  FrictionFollow - brings the dual up to v.
+
+  fresh   a Newton solve begins there. The dual w = u/r makes the first linearisation Newton's own,
+          which is best if it is near the dual of the step before. Where it is not, the guess for v
+          is but noise around rest (tiny beta), and the old dual is the better one.
+  else    it follows a Newton step from dual->v to v. The dual obeys r w = u, linearised at the old
+          point, and is drawn back to the unit disc (Chan, Golub, Mulet, SIAM J. Sci. Comput. 20,
+          1999): w <- P( u/r + (dv - w (u.dv)/r) / r ).
 */
-void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
-  Reset(law, 2, v, dual->v, dual->w, dual->shift);
+void FrictionFollow(int n, const Friction *law, const PetscReal v[], PetscBool fresh,
+                    FrictionDual *dual) {
+  if (n == 1)
+    Follow(law, 1, v, fresh, dual);
+  else if (n == 2)
+    Follow(law, 2, v, fresh, dual);
+  else
+    Follow(law, RUBS, v, fresh, dual);
 }
 
 /*
-  FrictionDualAdvance - follows a Newton step from dual->v to v. The dual obeys r w = u, linearised
-  at the old point, and is drawn back to the unit disc (Chan, Golub, Mulet, SIAM J. Sci. Comput. 20,
-  1999): w <- P( u/r + (dv - w (u.dv)/r) / r ).
-*/
-void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
-  Advance(law, 2, v, dual->v, dual->w, dual->shift);
-}
-
-/*
-  FrictionLinearise - the derivative of the force phi(|v|) v by v (without what is fast),
+  FrictionSlope - the derivative of the force phi(|v|) v by v (without what is fast),
     primal:       viscous I + mu/r (I - (u/r) (u/r)^T),
     primal-dual:  viscous I + mu/r (I - w (u/r)^T).
 */
-void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
-                       PetscReal slope[2][2]) {
-  Slope(law, 2, v, dual->w, dual->shift, &slope[0][0]);
+void FrictionSlope(int n, const Friction *law, const PetscReal v[], const FrictionDual *dual,
+                   PetscReal slope[RUBS][RUBS]) {
+  if (n == 1)
+    Slope(law, 1, v, dual, slope);
+  else if (n == 2)
+    Slope(law, 2, v, dual, slope);
+  else
+    Slope(law, RUBS, v, dual, slope);
 }
 
-/* FrictionDualHold - moves the shift by v, for exact Coulomb friction; by less if v is below what
+/* FrictionLinearise - FrictionFollow() and FrictionSlope(). */
+void FrictionLinearise(int n, const Friction *law, const PetscReal v[], PetscBool fresh,
+                       FrictionDual *dual, PetscReal slope[RUBS][RUBS]) {
+  FrictionFollow(n, law, v, fresh, dual);
+  FrictionSlope(n, law, v, dual, slope);
+}
+
+/* FrictionHold - moves the shift by v, for exact Coulomb friction; by less if v is below what
    is seen. Returns the speed at which the point creeps though it is held; 0 if it slides, for then
    it needs no shift.
 
    hold   how long a shift may be, over sqrt(friction_tiny): it leaves the force within 1/(2 hold^2)
           of its limit */
-PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, PetscReal hold,
-                           FrictionDual *dual) {
-  return Hold(2, v, seen, hold, dual->shift);
-}
+PetscReal FrictionHold(int n, const PetscReal v[], PetscReal seen, PetscReal hold,
+                       FrictionDual *dual) {
+  const PetscReal longest = hold * PetscSqrtReal(friction_tiny),
+                  speed = PetscSqrtReal(FrictionSquare(n, v)),
+                  part = speed < seen ? speed / seen : 1;
+  const PetscBool slides = (PetscBool)(speed > longest);
+  PetscReal u[RUBS], size;
 
-/* FrictionLinearise4 - of a point in space: begins a Newton solve at v (fresh), or follows it
-   there, and gives the derivative of the force by v. */
-void FrictionLinearise4(const Friction *law, const PetscReal v[4], PetscBool fresh,
-                        FrictionDual4 *dual, PetscReal slope[4][4]) {
-  if (fresh)
-    Reset(law, 4, v, dual->v, dual->w, dual->shift);
-  else
-    Advance(law, 4, v, dual->v, dual->w, dual->shift);
-  Slope(law, 4, v, dual->w, dual->shift, &slope[0][0]);
-}
-
-/* FrictionDualHold4 - as FrictionDualHold(), of a point in space. */
-PetscReal FrictionDualHold4(const PetscReal v[4], PetscReal seen, PetscReal hold,
-                            FrictionDual4 *dual) {
-  return Hold(4, v, seen, hold, dual->shift);
+  for (int i = 0; i < n; i++) u[i] = part * v[i] + dual->shift[i];
+  size = PetscSqrtReal(FrictionSquare(n, u));
+  for (int i = 0; i < n; i++)
+    dual->shift[i] = slides ? 0 : size > longest ? u[i] * longest / size : u[i];
+  return slides ? 0 : speed;
 }

@@ -22,33 +22,38 @@ typedef struct {
   OwnLaw *own; /* phi; NULL: as above */
 } Friction;
 
+enum { RUBS = 4 }; /* components of what rubs, at most: a velocity and, times a radius, a spin */
+
 /* What Newton's method remembers of one friction point: the velocity and the dual w (the dry force
    over mu, |w| <= 1) of its latest linearisation; for exact Coulomb friction also the shift that
    holds a sticking point at rest (else 0). */
 typedef struct {
-  PetscReal v[2], w[2], shift[2];
+  PetscReal v[RUBS], w[RUBS], shift[RUBS];
 } FrictionDual;
-
-/* The same of a point in space: of its velocity and, times a radius, of its spin. */
-typedef struct {
-  PetscReal v[4], w[4], shift[4];
-} FrictionDual4;
 
 extern const OptionGroup friction_options;
 
 PetscErrorCode FrictionSetFromOptions(Friction *friction);
 PetscReal FrictionOwnBetween(const Friction *law, PetscReal a, PetscReal b);
-void FrictionDualReset(const Friction *law, const PetscReal v[2], FrictionDual *dual);
-void FrictionDualAdvance(const Friction *law, const PetscReal v[2], FrictionDual *dual);
-void FrictionLinearise(const Friction *law, const PetscReal v[2], const FrictionDual *dual,
-                       PetscReal slope[2][2]);
 
-PetscReal FrictionDualHold(const PetscReal v[2], PetscReal seen, PetscReal hold,
-                           FrictionDual *dual);
-void FrictionLinearise4(const Friction *law, const PetscReal v[4], PetscBool fresh,
-                        FrictionDual4 *dual, PetscReal slope[4][4]);
-PetscReal FrictionDualHold4(const PetscReal v[4], PetscReal seen, PetscReal hold,
-                            FrictionDual4 *dual);
+/* n, here and below: how many components rub. 1: along a line, 2 in the plane, RUBS in space. */
+void FrictionFollow(int n, const Friction *law, const PetscReal v[], PetscBool fresh,
+                    FrictionDual *dual);
+void FrictionSlope(int n, const Friction *law, const PetscReal v[], const FrictionDual *dual,
+                   PetscReal slope[RUBS][RUBS]);
+void FrictionLinearise(int n, const Friction *law, const PetscReal v[], PetscBool fresh,
+                       FrictionDual *dual, PetscReal slope[RUBS][RUBS]);
+PetscReal FrictionHold(int n, const PetscReal v[], PetscReal seen, PetscReal hold,
+                       FrictionDual *dual);
+
+/* Real k of a dual, of as many as one of n components has: velocity, dual and shift. */
+static inline PetscReal *FrictionDualReal(int n, FrictionDual *dual, PetscInt k) {
+  return (PetscReal *)dual + k / n * RUBS + k % n;
+}
+
+static inline PetscInt FrictionDualReals(int n) {
+  return 3 * n;
+}
 
 /* The dry force is mu w, w = u/r, u = v + shift, r = sqrt(u^2 + beta). Regularised friction has no
    shift. Exact Coulomb friction takes a tiny beta and moves the shift, shift <- shift + v, until
@@ -69,12 +74,19 @@ static inline PetscReal FrictionOwn(const Friction *law, PetscReal v2, int which
   return value[which];
 }
 
+/* |v|^2 */
+static inline PetscReal FrictionSquare(int n, const PetscReal v[]) {
+  PetscReal sum = v[0] * v[0];
+
+  for (int d = 1; d < n; d++) sum += v[d] * v[d];
+  return sum;
+}
+
 /* r, and u with it */
-static inline PetscReal FrictionRadius(const Friction *law, const PetscReal v[2],
-                                       const FrictionDual *dual, PetscReal u[2]) {
-  u[0] = v[0] + dual->shift[0];
-  u[1] = v[1] + dual->shift[1];
-  return PetscSqrtReal(u[0] * u[0] + u[1] * u[1] + (law->beta > 0 ? law->beta : friction_tiny));
+static inline PetscReal FrictionRadius(int n, const Friction *law, const PetscReal v[],
+                                       const PetscReal shift[], PetscReal u[]) {
+  for (int d = 0; d < n; d++) u[d] = v[d] + shift[d];
+  return PetscSqrtReal(FrictionSquare(n, u) + (law->beta > 0 ? law->beta : friction_tiny));
 }
 
 /* The dry part of a law alone. */
@@ -93,30 +105,18 @@ static inline PetscReal FrictionViscous(const Friction *law, PetscReal v2) {
 }
 
 /* The force phi(|v|) v of friction, per length. */
-static inline void FrictionForce(const Friction *law, const PetscReal v[2],
-                                 const FrictionDual *dual, PetscReal f[2]) {
-  PetscReal u[2], drag = law->mu / FrictionRadius(law, v, dual, u),
-                  viscous = FrictionViscous(law, v[0] * v[0] + v[1] * v[1]);
-  for (int d = 0; d < 2; d++) f[d] = viscous * v[d] + drag * u[d];
-}
+static inline void FrictionForce(int n, const Friction *law, const PetscReal v[],
+                                 const FrictionDual *dual, PetscReal f[]) {
+  const PetscReal beta = law->beta > 0 ? law->beta : friction_tiny;
+  PetscReal u[RUBS], viscous = FrictionViscous(law, FrictionSquare(n, v)), drag, sum = beta;
 
-/* The same in space. */
-static inline PetscReal FrictionRadius4(const Friction *law, const PetscReal v[4],
-                                        const PetscReal shift[4], PetscReal u[4]) {
-  PetscReal sum = law->beta > 0 ? law->beta : friction_tiny;
-  for (int d = 0; d < 4; d++) {
-    u[d] = v[d] + shift[d];
+  for (int d = 0; d < n; d++) {
+    u[d] = v[d] + dual->shift[d];
     sum += u[d] * u[d];
   }
-  return PetscSqrtReal(sum);
-}
-
-static inline void FrictionForce4(const Friction *law, const PetscReal v[4],
-                                  const FrictionDual4 *dual, PetscReal f[4]) {
-  PetscReal u[4],
-      drag = law->mu / FrictionRadius4(law, v, dual->shift, u),
-      viscous = FrictionViscous(law, v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]);
-  for (int d = 0; d < 4; d++) f[d] = viscous * v[d] + drag * u[d];
+  if (n == 2) sum = FrictionSquare(n, u) + beta; /* (each summed as it always was) */
+  drag = law->mu / PetscSqrtReal(sum);
+  for (int d = 0; d < n; d++) f[d] = viscous * v[d] + drag * u[d];
 }
 
 /* phi(|v|) given |v|^2; a point at rest under exact Coulomb friction loses no power: 1 - mu */

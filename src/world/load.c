@@ -1,6 +1,5 @@
 #include "world/load.h"
 #include "base/vectors.h"
-#include "world/contact_space.h"
 
 static const OptionRow rows[] = {
     ROW_REAL("-friction_across", "1", 1e-6, 1e6, UNIT_NONE, 0,
@@ -100,93 +99,172 @@ PetscReal LoadFactor(const Load *load, const PetscReal x[3], PetscReal t, PetscR
   return load->factor * factor;
 }
 
-/* LoadForceVaried - f <- N M f. */
-void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]) {
-  const PetscReal *q = at->q;
-  PetscReal slope[3], N = load->moves ? LoadFactor(load, at->x, at->t, slope) : load->factor,
-                      along = q[0] * f[0] + q[1] * f[1], across = q[0] * f[1] - q[1] * f[0];
-
-  across *= load->across;
-  f[0] = N * (along * q[0] - across * q[1]);
-  f[1] = N * (along * q[1] + across * q[0]);
+/* N at a place, and its derivatives there, which are 0 where nothing varies from place to place. */
+static PetscReal FactorAt(const Load *load, const Place *at, PetscReal by[3]) {
+  if (load->field) return LoadFactor(load, at->x, at->t, by);
+  for (int d = 0; d < 3; d++) by[d] = 0;
+  return load->factor;
 }
 
-/*
-  LoadSlopeVaried - from the slope df/dv to those of N M f:
-    dF/dv = N M df/dv,   dF/dtheta = N (1 - a) (q_perp (q.f) + q (q_perp.f)),   dF/dx = (M f)
-  (dN/dx)^T
-*/
-void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope) {
-  const PetscReal *q = at->q, perp[2] = {-at->q[1], at->q[0]}, a = load->across;
-  PetscReal by[3] = {0}, N = load->moves ? LoadFactor(load, at->x, at->t, by) : load->factor, f[2],
-            along, across;
+/* LoadVary - f <- N M f, and in space N times the couple. */
+void LoadVary(int dims, const Load *load, const Place *at, PetscReal f[RUBS]) {
+  const PetscReal *q = at->q, a = load->across;
+  PetscReal by[3], N = FactorAt(load, at, by);
 
-  for (int c = 0; c < 2; c++) {
-    along = N * (q[0] * slope->v[0][c] + q[1] * slope->v[1][c]);
-    across = N * a * (perp[0] * slope->v[0][c] + perp[1] * slope->v[1][c]);
-    for (int d = 0; d < 2; d++) slope->v[d][c] = along * q[d] + across * perp[d];
+  if (dims == 2) {
+    const PetscReal along = q[0] * f[0] + q[1] * f[1], across = a * (q[0] * f[1] - q[1] * f[0]);
+    f[0] = N * (along * q[0] - across * q[1]);
+    f[1] = N * (along * q[1] + across * q[0]);
+  } else {
+    const PetscReal more = (1 - a) * Dot3(q, f);
+    for (int d = 0; d < 3; d++) f[d] = N * (a * f[d] + more * q[d]);
+    f[SPIN] *= N;
   }
-  FrictionForce(&load->friction, at->v, dual, f);
+}
+
+/* dF/dv = N M df/dv,   dF/dtheta = N (1 - a) (q_perp (q.f) + q (q_perp.f)),
+   dF/dx = (M f) (dN/dx)^T */
+static void VarySlopeInPlane(const Load *load, const Place *at, const FrictionDual *dual,
+                             LoadSlope *slope) {
+  enum { DIMS = 2 };
+  const PetscReal *q = at->q, perp[] = {-q[1], q[0]}, a = load->across;
+  PetscReal by[3], N = FactorAt(load, at, by), f[RUBS], along, across;
+
+  for (int c = 0; c < DIMS; c++) {
+    along = N * (q[0] * slope->W[0][c] + q[1] * slope->W[1][c]);
+    across = N * a * (perp[0] * slope->W[0][c] + perp[1] * slope->W[1][c]);
+    for (int d = 0; d < DIMS; d++) slope->W[d][c] = along * q[d] + across * perp[d];
+  }
+  FrictionForce(DIMS, &load->friction, at->v, dual, f);
   along = q[0] * f[0] + q[1] * f[1];
   across = perp[0] * f[0] + perp[1] * f[1];
-  for (int d = 0; d < 2; d++) {
+  for (int d = 0; d < DIMS; d++) {
     slope->theta[d] = N * (1 - a) * (along * perp[d] + across * q[d]);
-    for (int c = 0; c < 2; c++) slope->x[d][c] = (along * q[d] + a * across * perp[d]) * by[c];
+    for (int c = 0; c < DIMS; c++) slope->x[d][c] = (along * q[d] + a * across * perp[d]) * by[c];
   }
 }
 
-/* The dual of the friction with a wall. */
-static LoadDual *WallDual(const Load *load, const LoadDual *dual, const Touch *touch) {
-  return load->duals > 1 ? (LoadDual *)dual + 1 + touch->wall : NULL;
+/* dN M f: by W, as friction feels it, by q and by x. */
+static void VarySlopeInSpace(const Load *load, const Place *at, const PetscReal W[RUBS],
+                             const FrictionDual *dual, LoadSlope *slope) {
+  const PetscReal *q = at->q, a = load->across;
+  PetscReal by[3], N = FactorAt(load, at, by), f[RUBS], along;
+
+  for (int c = 0; c < RUBS; c++) {
+    const PetscReal column[3] = {slope->W[0][c], slope->W[1][c], slope->W[2][c]};
+    along = (1 - a) * Dot3(q, column);
+    for (int d = 0; d < 3; d++) slope->W[d][c] = N * (a * slope->W[d][c] + along * q[d]);
+    slope->W[SPIN][c] *= N;
+  }
+  FrictionForce(RUBS, &load->friction, W, dual, f);
+  along = Dot3(q, f);
+  for (int d = 0; d < 3; d++)
+    for (int c = 0; c < 3; c++) {
+      slope->q[d][c] = N * (1 - a) * ((d == c) * along + q[d] * f[c]);
+      slope->x[d][c] = (a * f[d] + (1 - a) * along * q[d]) * by[c];
+    }
+  for (int c = 0; c < 3; c++) {
+    slope->x[SPIN][c] = load->radius * f[SPIN] * by[c];
+    slope->q[SPIN][c] = 0;
+  }
+}
+
+/* LoadVarySlope - from the slope of f by W to those of N M f. */
+void LoadVarySlope(int dims, const Load *load, const Place *at, const PetscReal W[],
+                   const FrictionDual *dual, LoadSlope *slope) {
+  if (dims == 2)
+    VarySlopeInPlane(load, at, dual, slope);
+  else
+    VarySlopeInSpace(load, at, W, dual, slope);
+}
+
+/* LoadSetArm - of W, once friction and walls are known. */
+void LoadSetArm(Load *load) {
+  load->arm = load->radius;
+  if (load->arm == 0 && load->duals3 > 1) load->arm = load->walls->diameter / 2;
+}
+
+/* LoadInSpace - does it act out of the plane of x1 and x2, whatever the rod does? */
+PetscBool LoadInSpace(const Load *load) {
+  return FieldInSpace(load->field);
+}
+
+/* Of the duals of a place those of friction with walls; NULL: there are none. */
+static FrictionDual *WallDuals(int dims, const Load *load, const FrictionDual *dual) {
+  return (dims == 2 ? load->duals : load->duals3) > 1 ? (FrictionDual *)dual + 1 : NULL;
 }
 
 /* LoadForceWalls - takes off f what walls push with; returns the power of those that move. */
-PetscReal LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]) {
+PetscReal LoadForceWalls(int dims, const Load *load, const Place *at, const FrictionDual *dual,
+                         PetscReal f[RUBS]) {
+  FrictionDual *duals = WallDuals(dims, load, dual);
+  const Rubbed rubbed = LoadRubbed(load, at);
   Touch touch[MOST_TOUCHES];
-  PetscInt n = ContactTouches(load->walls, at->x, touch);
+  PetscInt n = ContactTouches(dims, load->walls, at->x, touch);
   PetscReal moved = 0;
   Push push;
 
   for (PetscInt k = 0; k < n; k++) {
-    ContactPush(load->walls, &touch[k], at->v, WallDual(load, dual, &touch[k]), &push);
-    for (int d = 0; d < 2; d++) {
-      f[d] -= push.force[d];
-      moved += push.force[d] * touch[k].v[d];
-    }
+    ContactPush(dims, load->walls, &touch[k], &rubbed, ContactDual(dims, &touch[k], duals), &push);
+    for (int d = 0; d < dims; d++) f[d] -= push.force[d];
+    if (dims == 3) f[SPIN] -= push.couple;
+    if (touch[k].moves) moved += Dot3(push.force, touch[k].v);
   }
   return moved;
 }
 
-/* LoadParts - the forces of friction and of walls on the rod, and the power of those that move, per
-   length. */
-void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
-               PetscReal walls[2], PetscReal *moved) {
-  PetscReal f[2], of_walls[2] = {0, 0};
+/* LoadSlopeWalls - the same for the slopes. */
+void LoadSlopeWalls(int dims, const Load *load, const Place *at, PetscBool fresh,
+                    FrictionDual *dual, LoadSlope *slope) {
+  const int rubs = LoadRubs(dims);
+  FrictionDual *duals = WallDuals(dims, load, dual);
+  const Rubbed rubbed = LoadRubbed(load, at);
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = ContactTouches(dims, load->walls, at->x, touch);
+  Push push;
 
-  FrictionForce(&load->friction, at->v, dual, f);
-  if (load->varied) LoadForceVaried(load, at, f);
-  *moved = load->walls ? LoadForceWalls(load, at, dual, of_walls) : 0;
-  for (int d = 0; d < 2; d++) {
+  if (duals) ContactSlots(dims, n, touch, duals);
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPushSlope(dims, load->walls, &touch[k], &rubbed, fresh,
+                     ContactDual(dims, &touch[k], duals), &push);
+    for (int d = 0; d < rubs; d++) {
+      for (int c = 0; c < dims; c++) {
+        slope->x[d][c] -= push.x[d][c];
+        slope->W[d][c] -= push.W[d][c];
+        if (dims == 3) slope->q[d][c] -= push.q[d][c];
+      }
+      if (dims == 3 && load->arm > 0) slope->W[d][SPIN] -= push.W[d][SPIN] / load->arm;
+    }
+  }
+}
+
+/* LoadParts - the forces of friction and of walls on the rod, per length, and the power of walls
+   that move. */
+void LoadParts(int dims, const Load *load, const Place *at, const FrictionDual *dual,
+               PetscReal friction[3], PetscReal walls[3], PetscReal *moved) {
+  PetscReal W[RUBS], f[RUBS], of_walls[RUBS] = {0};
+
+  LoadFelt(dims, load, at, W);
+  FrictionForce(LoadRubs(dims), &load->friction, W, dual, f);
+  if (load->varied) LoadVary(dims, load, at, f);
+  *moved = load->walls ? LoadForceWalls(dims, load, at, dual, of_walls) : 0;
+  for (int d = 0; d < dims; d++) {
     friction[d] = -f[d];
     walls[d] = -of_walls[d];
   }
 }
 
-/* LoadSlopeWalls - the same for the slopes. */
-void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
-                    LoadSlope *slope) {
-  Touch touch[MOST_TOUCHES];
-  PetscInt n = ContactTouches(load->walls, at->x, touch);
-  Push push;
+/* LoadHold - moves what holds a sticking place; returns the speed at which it creeps. */
+PetscReal LoadHold(int dims, const Load *load, const Place *at, PetscReal seen,
+                   FrictionDual dual[]) {
+  FrictionDual *duals = WallDuals(dims, load, dual);
+  const Rubbed rubbed = LoadRubbed(load, at);
+  PetscReal W[RUBS], creep;
 
-  for (PetscInt k = 0; k < n; k++) {
-    ContactPushSlope(load->walls, &touch[k], at->v, fresh, WallDual(load, dual, &touch[k]), &push);
-    for (int d = 0; d < 2; d++)
-      for (int c = 0; c < 2; c++) {
-        slope->x[d][c] -= push.x[d][c];
-        slope->v[d][c] -= push.v[d][c];
-      }
-  }
+  LoadFelt(dims, load, at, W);
+  creep = FrictionHold(LoadRubs(dims), W, seen, friction_hold, dual);
+  if (!duals) return creep;
+  return LargerOf(creep, ContactHold(dims, load->walls, &rubbed, seen, duals));
 }
 
 static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: a rod may snap */

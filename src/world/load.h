@@ -6,13 +6,24 @@
 
    N is a factor that varies in space and time, a the ratio of friction across the rod to that along
    it. Where N = 1 and a = 1, neither is computed. Walls that press on the rod (contact.h) take
-   their force off F, as does weight. In space see load_space.h. */
+   their force off F, as does weight.
+
+   A rod in space that slides at v and spins at omega about its tangent q in an even grip rubs at W
+   = (v, r omega), r the radius at which friction feels the spin:
+
+     F = N M f - weight,  M = q q^T + a (I - q q^T),      couple about q:  N r f_spin,
+     f = phi(|W|) W.
+
+   Where the friction along the rod does not feel the spin, but that of walls does, r is half of the
+   diameter.
+
+   dims, below: 2 in the plane, where vectors have two components and nothing spins, 3 in space; a
+   constant of each call. */
 #ifndef TENDRIL_LOAD_H
 #define TENDRIL_LOAD_H
 
-#include "world/contact.h"
+#include "world/contact_push.h"
 #include "world/field.h"
-#include "world/friction.h"
 
 typedef struct {
   Friction friction;
@@ -31,14 +42,12 @@ typedef struct {
   PetscReal arm;      /* W of a rod in space has arm times its spin: radius, or that of contact */
   PetscInt duals;     /* of each place: that of the friction along the rod, one for each wall,
                          and one for a foot on a post (rod/feet.h) */
-  PetscInt duals3;    /* the same of a rod in space (contact_space.h) */
+  PetscInt duals3;    /* the same of a rod in space (contact_push.h) */
   PetscReal viscous;  /* 1 - mu, as it was asked for */
   PetscBool limit;    /* exact friction was asked for, and is taken as a limit */
   PetscReal resolved; /* ... and then: the speed that steps of tolerance 1e-6 resolve */
   PetscBool shared;   /* a viscous share was given to dry friction, see LoadShareMore() */
 } Load;
-
-enum { SPIN = 3, RUBS = 4 }; /* the components of what rubs */
 
 /* Where on the rod, and how fast; all in the clamp's frame. In the plane the third components are
    0. */
@@ -47,12 +56,11 @@ typedef struct {
   PetscReal v[RUBS];       /* velocity of the material, and in space load->arm times its spin */
 } Place;
 
-/* The derivatives of F: by v, by the angle of the rod (if it turns), by x (if it moves). */
+/* The derivatives of the force and, last, of the couple: by W, q and x; in the plane by the angle
+   of the rod in place of q. */
 typedef struct {
-  PetscReal v[2][2], theta[2], x[2][2];
+  PetscReal W[RUBS][RUBS], x[RUBS][3], q[RUBS][3], theta[3];
 } LoadSlope;
-
-typedef FrictionDual LoadDual; /* what Newton's method remembers of a place: load->duals of them */
 
 extern const OptionGroup load_options;
 
@@ -72,39 +80,81 @@ void LoadSetWeight(Load *load, const PetscReal weight[3]);
 void LoadSetFactor(Load *load, PetscReal factor);
 PetscErrorCode LoadDestroy(Load *load);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
-void LoadForceVaried(const Load *load, const Place *at, PetscReal f[2]);
-void LoadSlopeVaried(const Load *load, const Place *at, const LoadDual *dual, LoadSlope *slope);
-PetscReal LoadForceWalls(const Load *load, const Place *at, const LoadDual *dual, PetscReal f[2]);
-void LoadSlopeWalls(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
-                    LoadSlope *slope);
-void LoadParts(const Load *load, const Place *at, const LoadDual *dual, PetscReal friction[2],
-               PetscReal walls[2], PetscReal *moved);
+void LoadSetArm(Load *load);
+PetscBool LoadInSpace(const Load *load);
+void LoadVary(int dims, const Load *load, const Place *at, PetscReal f[RUBS]);
+void LoadVarySlope(int dims, const Load *load, const Place *at, const PetscReal W[],
+                   const FrictionDual *dual, LoadSlope *slope);
+PetscReal LoadForceWalls(int dims, const Load *load, const Place *at, const FrictionDual *dual,
+                         PetscReal f[RUBS]);
+void LoadSlopeWalls(int dims, const Load *load, const Place *at, PetscBool fresh,
+                    FrictionDual *dual, LoadSlope *slope);
+void LoadParts(int dims, const Load *load, const Place *at, const FrictionDual *dual,
+               PetscReal friction[3], PetscReal walls[3], PetscReal *moved);
+PetscReal LoadHold(int dims, const Load *load, const Place *at, PetscReal seen,
+                   FrictionDual dual[]);
 PetscBool LoadIsDry(const Load *load);
 PetscReal LoadFactor(const Load *load, const PetscReal x[3], PetscReal t, PetscReal slope[3]);
 
-/* F */
-static inline void LoadForce(const Load *load, const Place *at, const LoadDual *dual,
-                             PetscReal f[2]) {
-  FrictionForce(&load->friction, at->v, dual, f);
-  if (load->plain) return;
-  if (load->varied) LoadForceVaried(load, at, f);
-  if (load->walls) (void)LoadForceWalls(load, at, dual, f);
-  for (int d = 0; d < 2 && load->weighs; d++) f[d] -= load->weight[d];
+/* Does friction along the rod not feel the spin that a place has? */
+static inline PetscBool LoadIsDeaf(const Load *load) {
+  return (PetscBool)(load->arm != load->radius);
 }
 
-/* The slope of F for Newton's method, the dual brought up to the present velocity first; fresh: a
-   Newton solve begins. */
-static inline void LoadLinearise(const Load *load, const Place *at, PetscBool fresh, LoadDual *dual,
-                                 LoadSlope *slope) {
-  if (fresh)
-    FrictionDualReset(&load->friction, at->v, dual);
-  else
-    FrictionDualAdvance(&load->friction, at->v, dual);
-  FrictionLinearise(&load->friction, at->v, dual, slope->v);
-  if (!load->plain) {
-    LoadSlopeVaried(load, at, dual, slope);
-    if (load->walls) LoadSlopeWalls(load, at, fresh, dual, slope);
+/* Do force and couple depend on place and direction? */
+static inline PetscBool LoadPlaced(const Load *load) {
+  return (PetscBool)(load->varied || load->walls);
+}
+
+/* How many components rub, and W as friction along the rod feels it. */
+static inline int LoadRubs(int dims) {
+  return dims == 2 ? 2 : RUBS;
+}
+
+static inline void LoadFelt(int dims, const Load *load, const Place *at, PetscReal W[RUBS]) {
+  for (int d = 0; d < LoadRubs(dims); d++) W[d] = at->v[d];
+  if (dims == 3 && LoadIsDeaf(load)) W[SPIN] = 0;
+}
+
+/* What walls see of a place. */
+static inline Rubbed LoadRubbed(const Load *load, const Place *at) {
+  return (Rubbed){at->x, at->q, at->v, load->arm > 0 ? at->v[SPIN] / load->arm : 0};
+}
+
+/* LoadForce - the force F that the rod overcomes, per length, and the couple about its tangent. */
+static inline void LoadForce(int dims, const Load *load, const Place *at, const FrictionDual *dual,
+                             PetscReal f[RUBS]) {
+  PetscReal W[RUBS];
+
+  LoadFelt(dims, load, at, W);
+  FrictionForce(LoadRubs(dims), &load->friction, W, dual, f);
+  if (dims == 2 && load->plain) return;
+  if (load->varied) LoadVary(dims, load, at, f);
+  for (int d = 0; d < dims && load->weighs; d++) f[d] -= load->weight[d];
+  if (dims == 3) f[SPIN] *= load->radius;
+  if (load->walls) (void)LoadForceWalls(dims, load, at, dual, f);
+}
+
+/* LoadLinearise - the slope of force and couple for Newton's method, the duals brought up to the
+   present velocity first; fresh: a Newton solve begins. Those by q and x are set only where
+   LoadPlaced(). */
+static inline void LoadLinearise(int dims, const Load *load, const Place *at, PetscBool fresh,
+                                 FrictionDual *dual, LoadSlope *slope) {
+  const int rubs = LoadRubs(dims);
+  PetscReal W[RUBS];
+
+  LoadFelt(dims, load, at, W);
+  FrictionLinearise(rubs, &load->friction, W, fresh, dual, slope->W);
+  if (load->varied || (dims == 2 && !load->plain))
+    LoadVarySlope(dims, load, at, W, dual, slope);
+  else if (load->walls)
+    for (int d = 0; d < rubs; d++)
+      for (int c = 0; c < dims; c++) slope->q[d][c] = slope->x[d][c] = 0;
+  if (dims == 3) {
+    for (int c = 0; c < RUBS; c++) slope->W[SPIN][c] *= load->radius;
+    for (int d = 0; d < RUBS && LoadIsDeaf(load); d++) slope->W[d][SPIN] = 0;
   }
+  if (load->walls) LoadSlopeWalls(dims, load, at, fresh, dual, slope);
 }
 
 /* Does a place stick or slide, without anything between (exact Coulomb friction)? */
@@ -112,20 +162,16 @@ static inline PetscBool LoadSticks(const Load *load) {
   return (PetscBool)(load->friction.beta == 0);
 }
 
-/* Moves what holds a sticking place; returns the speed at which it creeps. */
-static inline PetscReal LoadHold(const Load *load, const Place *at, PetscReal seen,
-                                 LoadDual *dual) {
-  PetscReal creep = FrictionDualHold(at->v, seen, friction_hold, dual);
-  if (load->duals == 1) return creep;
-  return LargerOf(creep, ContactHold(load->walls, at->x, at->v, seen, dual + 1));
-}
+/* LoadSeen - F of friction where nothing is held, as an observer sees it: a place at rest bears no
+   dry force. Without walls and weight. */
+static inline void LoadSeen(int dims, const Load *load, const Place *at, PetscReal f[RUBS]) {
+  PetscReal W[RUBS], drag;
 
-/* F of friction where nothing is held, as an observer sees it: a place at rest bears no dry force.
-   Without walls and weight. */
-static inline void LoadSeen(const Load *load, const Place *at, PetscReal f[2]) {
-  PetscReal drag = FrictionPhi(&load->friction, at->v[0] * at->v[0] + at->v[1] * at->v[1]);
-  for (int d = 0; d < 2; d++) f[d] = drag * at->v[d];
-  if (load->varied) LoadForceVaried(load, at, f);
+  LoadFelt(dims, load, at, W);
+  drag = FrictionPhi(&load->friction, FrictionSquare(LoadRubs(dims), W));
+  for (int d = 0; d < LoadRubs(dims); d++) f[d] = drag * W[d];
+  if (load->varied) LoadVary(dims, load, at, f);
+  if (dims == 3) f[SPIN] *= load->radius;
 }
 
 /* The straight rod, which moves along itself: the drag F/v there, without N. */

@@ -44,16 +44,18 @@ static PetscBool PlaneAt(const void *data, const PetscReal x[3], PetscReal withi
 }
 
 /* The nearest piece of the profile. */
-static PetscBool ProfileAt(const Revolved *self, const PetscReal y[2], PetscReal within,
-                           PetscReal *distance, PetscReal normal[2], PetscReal *bend) {
-  PetscReal least = everywhere, far, n[2], b;
+static PetscBool ProfileAt(const Revolved *self, Vector2 y, PetscReal within, PetscReal *distance,
+                           Vector2 *normal, PetscReal *bend) {
+  PetscReal least = everywhere, far, b;
+  Vector2 n;
 
   for (PetscInt k = 0; k < self->pieces; k++) {
-    if (!WallPieceDistance(&self->piece[k], y, &far, n, &b) || PetscAbsReal(far) >= least) continue;
+    if (!WallPieceDistance(&self->piece[k], y, &far, &n, &b) || PetscAbsReal(far) >= least)
+      continue;
     least = PetscAbsReal(far);
     *distance = far;
     *bend = b;
-    for (int d = 0; d < 2; d++) normal[d] = n[d];
+    *normal = n;
   }
   return (PetscBool)(least < everywhere && *distance < within);
 }
@@ -62,16 +64,17 @@ static PetscBool RevolvedAt(const void *data, const PetscReal x[3], PetscReal wi
                             SurfacePoint *point) {
   const Revolved *self = (const Revolved *)data;
   const PetscReal *a = self->axis, tiny = 1e-12;
-  PetscReal y[2], o[3], e[3], f[3], n[2] = {0}, b = 0, around;
+  PetscReal o[3], e[3], f[3], b = 0, around;
+  Vector2 y, n = {0, 0};
 
   for (int d = 0; d < 3; d++) o[d] = x[d] - self->at[d];
-  y[1] = Dot3(o, a);
-  for (int d = 0; d < 3; d++) e[d] = o[d] - y[1] * a[d];
-  y[0] = PetscSqrtReal(Dot3(e, e));
-  if (!ProfileAt(self, y, within, &point->distance, n, &b)) return PETSC_FALSE;
-  if (y[0] > tiny * PetscSqrtReal(Dot3(o, o))) {
-    for (int d = 0; d < 3; d++) e[d] /= y[0];
-    around = n[0] / y[0];
+  y.y = Dot3(o, a);
+  for (int d = 0; d < 3; d++) e[d] = o[d] - y.y * a[d];
+  y.x = PetscSqrtReal(Dot3(e, e));
+  if (!ProfileAt(self, y, within, &point->distance, &n, &b)) return PETSC_FALSE;
+  if (y.x > tiny * PetscSqrtReal(Dot3(o, o))) {
+    for (int d = 0; d < 3; d++) e[d] /= y.x;
+    around = n.x / y.x;
   } else { /* on the axis, where the surface is as round in all directions, or meets itself */
     Across(a, e);
     around = b;
@@ -79,10 +82,10 @@ static PetscBool RevolvedAt(const void *data, const PetscReal x[3], PetscReal wi
   for (int d = 0; d < 3; d++)
     f[d] = a[(d + 1) % 3] * e[(d + 2) % 3] - a[(d + 2) % 3] * e[(d + 1) % 3];
   for (int d = 0; d < 3; d++) {
-    const PetscReal t = -n[1] * e[d] + n[0] * a[d];
-    point->normal[d] = n[0] * e[d] + n[1] * a[d];
+    const PetscReal t = -n.y * e[d] + n.x * a[d];
+    point->normal[d] = n.x * e[d] + n.y * a[d];
     for (int c = 0; c < 3; c++)
-      point->bend[d][c] = b * t * (-n[1] * e[c] + n[0] * a[c]) + around * f[d] * f[c];
+      point->bend[d][c] = b * t * (-n.y * e[c] + n.x * a[c]) + around * f[d] * f[c];
   }
   return PETSC_TRUE;
 }
@@ -160,46 +163,29 @@ static PetscErrorCode PlaneMake(const SurfaceLine *line, Surface *surface) {
   PetscFunctionReturn(0);
 }
 
-static WallPiece *NewPiece(Revolved *self) {
+/* A line of the profile from (rho, z) on, along t, free on its left or, side -1, its right. */
+static void AddLine(Revolved *self, PetscReal rho, PetscReal z, Vector2 t, PetscReal from,
+                    PetscReal to, PetscReal side) {
   WallPiece *p = &self->piece[self->pieces++];
-  p->deep = everywhere;
-  return p;
-}
 
-/* A line of the profile from (rho, z) on, along t, free on the side of n: the left of t, or, side
-   -1, the right. */
-static void AddLine(Revolved *self, PetscReal rho, PetscReal z, const PetscReal t[2],
-                    PetscReal from, PetscReal to, PetscReal side) {
-  WallPiece *p = NewPiece(self);
-  p->at[0] = rho;
-  p->at[1] = z;
-  p->t[0] = t[0];
-  p->t[1] = t[1];
-  p->n[0] = -side * t[1];
-  p->n[1] = side * t[0];
+  *p = WallPieceLine((Vector2){rho, z}, t, side);
   p->from = from;
   p->to = to;
 }
 
-/* An arc of the profile about (rho, z); all round, or between two directions of length 1 that are
-   less than half a turn apart. */
-static void AddArc(Revolved *self, PetscReal rho, PetscReal z, PetscReal r, PetscReal sign,
-                   const PetscReal *one, const PetscReal *other) {
-  WallPiece *p = NewPiece(self);
-  PetscReal size;
-
-  p->round = PETSC_TRUE;
-  p->at[0] = rho;
-  p->at[1] = z;
-  p->r = r;
-  p->sign = sign;
-  p->reach = -2;
-  if (!one) return;
-  for (int d = 0; d < 2; d++) p->middle[d] = one[d] + other[d];
-  size = hypot(p->middle[0], p->middle[1]);
-  for (int d = 0; d < 2; d++) p->middle[d] /= size;
-  p->reach = one[0] * p->middle[0] + one[1] * p->middle[1];
+/* An arc of the profile about (rho, z), free outside, or, sign -1, inside; all round. */
+static void AddCircle(Revolved *self, PetscReal rho, PetscReal z, PetscReal r, PetscReal sign) {
+  self->piece[self->pieces++] = WallPieceCircle((Vector2){rho, z}, r, sign);
 }
+
+/* ... free outside, between two directions of length 1 that are less than half a turn apart. */
+static void AddArc(Revolved *self, PetscReal rho, PetscReal z, PetscReal r, Vector2 one,
+                   Vector2 other) {
+  self->piece[self->pieces++] = WallPieceArc((Vector2){rho, z}, r, 1, one, other);
+}
+
+/* Directions of a profile: away from the axis, along it, against it. */
+static const Vector2 out = {1, 0}, up = {0, 1}, down = {0, -1};
 
 static PetscErrorCode RevolvedNew(Surface *surface, const PetscReal at[3], Revolved **self) {
   PetscFunctionBegin;
@@ -214,10 +200,10 @@ static PetscErrorCode RevolvedNew(Surface *surface, const PetscReal at[3], Revol
 static Block BoxOf(const Revolved *self, PetscReal z0, PetscReal z1, PetscReal R) {
   Block box;
   for (int d = 0; d < 3; d++) {
-    const PetscReal a = self->axis[d], out = R * PetscSqrtReal(PetscMax(0, 1 - a * a)),
-                    ends[2] = {self->at[d] + z0 * a, self->at[d] + z1 * a};
-    box.low[d] = PetscMin(ends[0], ends[1]) - out;
-    box.high[d] = PetscMax(ends[0], ends[1]) + out;
+    const PetscReal a = self->axis[d], beside = R * PetscSqrtReal(PetscMax(0, 1 - a * a)),
+                    begin = self->at[d] + z0 * a, end = self->at[d] + z1 * a;
+    box.low[d] = PetscMin(begin, end) - beside;
+    box.high[d] = PetscMax(begin, end) + beside;
   }
   return box;
 }
@@ -245,7 +231,7 @@ static PetscErrorCode SphereMake(const SurfaceLine *line, Surface *surface) {
   const PetscReal R = words.number[3];
   PetscCall(RevolvedNew(surface, words.number, &self));
   PetscCall(CheckRadius(line, R, words.inside, surface));
-  AddArc(self, 0, 0, R, words.inside ? -1 : 1, NULL, NULL);
+  AddCircle(self, 0, 0, R, words.inside ? -1 : 1);
   if (words.inside) PetscFunctionReturn(0);
   surface->box = BoxOf(self, 0, 0, R);
   for (int d = 0; d < 3; d++) {
@@ -269,12 +255,11 @@ static PetscErrorCode CheckEdges(const SurfaceLine *line) {
 
 /* The profile of what is solid within a line from (R0, 0) to (R1, L), with flat ends. */
 static void AddSolid(Revolved *self, PetscReal R0, PetscReal R1, PetscReal L) {
-  const PetscReal size = hypot(R1 - R0, L), t[2] = {(R1 - R0) / size, L / size},
-                  n[2] = {t[1], -t[0]}, up[2] = {0, 1}, down[2] = {0, -1}, out[2] = {1, 0};
+  const Vector2 way = {R1 - R0, L}, t = Over2(way, Size2(way)), n = {t.y, -t.x};
 
-  AddLine(self, R0, 0, t, 0, size, -1);
-  AddArc(self, R0, 0, 0, 1, n, down);
-  AddArc(self, R1, L, 0, 1, n, up);
+  AddLine(self, R0, 0, t, 0, Size2(way), -1);
+  AddArc(self, R0, 0, 0, n, down);
+  AddArc(self, R1, L, 0, n, up);
   if (R0 > 0) AddLine(self, 0, 0, out, 0, R0, -1);
   if (R1 > 0) AddLine(self, 0, L, out, 0, R1, 1);
 }
@@ -299,40 +284,37 @@ static PetscErrorCode NewRidge(Surface *surface, PetscReal smallest, PetscReal b
   the line. Where the solid is too short for both balls there are its edges.
 */
 static PetscErrorCode AddSolidRidges(Surface *surface, PetscReal R0, PetscReal R1, PetscReal L) {
-  const PetscReal size = hypot(R1 - R0, L), t[2] = {(R1 - R0) / size, L / size},
-                  n[2] = {t[1], -t[0]}, up[2] = {0, 1}, down[2] = {0, -1}, R[2] = {R0, R1},
-                  c[2] = {R0 * L / (size - (R1 - R0)), R1 * L / (size + (R1 - R0))};
-  const PetscBool fits = (PetscBool)(c[0] + c[1] < L);
+  const Vector2 way = {R1 - R0, L}, t = Over2(way, Size2(way)), n = {t.y, -t.x};
+  const PetscReal size = Size2(way), c0 = R0 * L / (size - way.x), c1 = R1 * L / (size + way.x);
+  const PetscBool fits = (PetscBool)(c0 + c1 < L);
   Revolved *ridge;
 
   PetscFunctionBegin;
-  for (int e = 0; e < 2; e++) {
-    PetscCall(NewRidge(surface, 0, fits ? c[e] : PETSC_MAX_REAL, &ridge));
-    AddArc(ridge, R[e], e * L, 0, 1, NULL, NULL);
-  }
+  PetscCall(NewRidge(surface, 0, fits ? c0 : PETSC_MAX_REAL, &ridge));
+  AddCircle(ridge, R0, 0, 0, 1);
+  PetscCall(NewRidge(surface, 0, fits ? c1 : PETSC_MAX_REAL, &ridge));
+  AddCircle(ridge, R1, L, 0, 1);
   if (!fits) PetscFunctionReturn(0);
-  PetscCall(NewRidge(surface, PetscMin(c[0], c[1]), PETSC_MAX_REAL, &ridge));
-  AddLine(ridge, R0, 0, t, -R0 * t[0] + c[0] * t[1], -R0 * t[0] + (L - c[1]) * t[1], -1);
-  AddArc(ridge, 0, c[0], c[0], 1, n, down);
-  AddArc(ridge, 0, L - c[1], c[1], 1, n, up);
+  PetscCall(NewRidge(surface, PetscMin(c0, c1), PETSC_MAX_REAL, &ridge));
+  AddLine(ridge, R0, 0, t, -R0 * t.x + c0 * t.y, -R0 * t.x + (L - c1) * t.y, -1);
+  AddArc(ridge, 0, c0, c0, n, down);
+  AddArc(ridge, 0, L - c1, c1, n, up);
   PetscFunctionReturn(0);
 }
 
 /* The profile of a hole along a line from (R0, 0) to (R1, L) through what is solid, open at its
    ends, which are rounded as a trumpet's by arcs of their own radii. */
 static void AddHole(Revolved *self, PetscReal R0, PetscReal R1, PetscReal L) {
-  const PetscReal size = hypot(R1 - R0, L), t[2] = {(R1 - R0) / size, L / size},
-                  n[2] = {-t[1], t[0]}, up[2] = {0, 1}, down[2] = {0, -1}, out[2] = {1, 0};
+  const Vector2 way = {R1 - R0, L}, t = Over2(way, Size2(way)), n = Left2(t);
 
-  AddLine(self, R0, 0, t, 0, size, 1);
-  AddArc(self, R0 - R0 * n[0], -R0 * n[1], R0, 1, n, down);
-  AddArc(self, R1 - R1 * n[0], L - R1 * n[1], R1, 1, n, up);
-  AddLine(self, R0 - R0 * n[0], -R0 * n[1] - R0, out, 0, everywhere, -1);
-  AddLine(self, R1 - R1 * n[0], L - R1 * n[1] + R1, out, 0, everywhere, 1);
+  AddLine(self, R0, 0, t, 0, Size2(way), 1);
+  AddArc(self, R0 - R0 * n.x, -R0 * n.y, R0, n, down);
+  AddArc(self, R1 - R1 * n.x, L - R1 * n.y, R1, n, up);
+  AddLine(self, R0 - R0 * n.x, -R0 * n.y - R0, out, 0, everywhere, -1);
+  AddLine(self, R1 - R1 * n.x, L - R1 * n.y + R1, out, 0, everywhere, 1);
 }
 
 static PetscErrorCode CylinderMake(const SurfaceLine *line, Surface *surface) {
-  const PetscReal along[2] = {0, 1};
   Words words;
   Revolved *self;
 
@@ -344,7 +326,7 @@ static PetscErrorCode CylinderMake(const SurfaceLine *line, Surface *surface) {
   PetscCall(CheckRadius(line, R, words.inside, surface));
   if (!words.inside) surface->smallest = surface->core = R;
   if (words.n == 7) {
-    AddLine(self, R, 0, along, -everywhere, everywhere, words.inside ? 1 : -1);
+    AddLine(self, R, 0, up, -everywhere, everywhere, words.inside ? 1 : -1);
     PetscFunctionReturn(0);
   }
   UserCheck(L > 0, OptionsComm(), "-wall_file %s, line %d: a cylinder's length must be above 0",
@@ -405,7 +387,7 @@ static PetscErrorCode TorusMake(const SurfaceLine *line, Surface *surface) {
             "-wall_file %s, line %d: the first radius of a torus, of its circle, must be above the "
             "second, of its tube",
             line->file, line->line);
-  AddArc(self, R, 0, r, words.inside ? -1 : 1, NULL, NULL);
+  AddCircle(self, R, 0, r, words.inside ? -1 : 1);
   if (words.inside) {
     surface->smallest = R - r;
     PetscFunctionReturn(0);

@@ -88,42 +88,57 @@ PetscErrorCode TipDestroy(Tip *tip) {
   PetscFunctionReturn(0);
 }
 
-/* The dual of the tip's friction with a wall. */
-static LoadDual *WallDual(const Tip *tip, const LoadDual *dual, const Touch *touch) {
-  return tip->walls->walls.rub ? (LoadDual *)dual + 1 + touch->wall : NULL;
+/* Of the duals of the tip those of friction with walls; NULL: there are none. */
+static FrictionDual *WallDuals(int dims, const Tip *tip, const FrictionDual *dual) {
+  const Contact *walls = tip->walls;
+
+  return (dims == 2 ? walls->walls.rub : ContactWallsRub(walls)) ? (FrictionDual *)dual + 1 : NULL;
 }
 
-/* TipWalls - adds to f what walls push a free tip with; returns the power of those that move. */
-PetscReal TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]) {
+static Rubbed RubbedOf(const TipState *at) {
+  return (Rubbed){at->at.x, at->at.q, at->at.v, at->spin};
+}
+
+/* TipWalls - adds to f what walls push a free tip with, and the couple about its tangent: that of a
+   piece l of rod. Returns the power of those that move. */
+PetscReal TipWalls(int dims, const Tip *tip, const TipState *at, const FrictionDual *dual,
+                   PetscReal f[RUBS]) {
+  const Rubbed rubbed = RubbedOf(at);
   Touch touch[MOST_TOUCHES];
-  PetscReal moved = 0;
+  FrictionDual *duals;
+  PetscReal moved = 0, l;
   PetscInt n;
   Push push;
 
   if (!tip->walls || tip->type != TIP_FREE) return 0;
-  n = ContactTouches(tip->walls, at->x, touch);
+  l = tip->walls->tip;
+  duals = WallDuals(dims, tip, dual);
+  n = ContactTouches(dims, tip->walls, at->at.x, touch);
   for (PetscInt k = 0; k < n; k++) {
-    ContactPush(tip->walls, &touch[k], at->v, WallDual(tip, dual, &touch[k]), &push);
-    for (int d = 0; d < 2; d++) {
-      f[d] += tip->walls->tip * push.force[d];
-      moved += tip->walls->tip * push.force[d] * touch[k].v[d];
-    }
+    ContactPush(dims, tip->walls, &touch[k], &rubbed, ContactDual(dims, &touch[k], duals), &push);
+    for (int d = 0; d < dims; d++) f[d] += l * push.force[d];
+    if (dims == 3) f[SPIN] += l * push.couple;
+    if (touch[k].moves) moved += l * Dot3(push.force, touch[k].v);
   }
   return moved;
 }
 
-/* Takes its derivatives off J, the condition being n - f = 0. */
-static void AddWallsSlope(const Tip *tip, const TipState *at, const PetscReal shift[2],
-                          PetscBool fresh, LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
+/* Takes its derivatives off J in the plane, the condition being n - f = 0. */
+static void PushWallsSlope(const Tip *tip, const TipState *at, const PetscReal shift[],
+                           PetscBool fresh, FrictionDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
+  enum { DIMS = 2 };
+  const Rubbed rubbed = RubbedOf(at);
   const PetscReal l = tip->walls->tip;
+  FrictionDual *duals = WallDuals(DIMS, tip, dual);
   Touch touch[MOST_TOUCHES];
-  PetscInt n = ContactTouches(tip->walls, at->at.x, touch);
+  PetscInt n = ContactTouches(DIMS, tip->walls, at->at.x, touch);
   Push push;
 
   for (PetscInt k = 0; k < n; k++) {
-    ContactPushSlope(tip->walls, &touch[k], at->at.v, fresh, WallDual(tip, dual, &touch[k]), &push);
-    for (int d = 0; d < 2; d++)
-      for (int c = 0; c < 2; c++) J[1 + d][c] -= l * (push.x[d][c] + shift[c] * push.v[d][c]);
+    ContactPushSlope(DIMS, tip->walls, &touch[k], &rubbed, fresh,
+                     ContactDual(DIMS, &touch[k], duals), &push);
+    for (int d = 0; d < DIMS; d++)
+      for (int c = 0; c < DIMS; c++) J[1 + d][c] -= l * (push.x[d][c] + shift[c] * push.W[d][c]);
   }
 }
 
@@ -137,22 +152,32 @@ static void OwnForce(const Tip *tip, const TipState *at, PetscReal f[3]) {
   if (tip->law == TIP_DEAD) f[0] -= P;
 }
 
-/* TipForce - the force f on a tip that is free, in the plane. */
-void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]) {
-  PetscReal own[3], drag[2];
+/* The place of the tip as a resistance sees it, which feels it move, but not spin. */
+static Place Unspun(const TipState *at) {
+  Place place = at->at;
 
-  OwnForce(tip, at, own);
-  for (int d = 0; d < 2; d++) f[d] = own[d];
+  place.v[SPIN] = 0;
+  return place;
+}
+
+/* TipForce - the force on a tip that is free and, in space, the couple about its tangent. */
+void TipForce(int dims, const Tip *tip, const TipState *at, const FrictionDual *dual,
+              PetscReal f[RUBS]) {
+  PetscReal drag[RUBS];
+
+  OwnForce(tip, at, f);
+  f[SPIN] = tip->torque;
   if (tip->force != 0 && tip->law == TIP_RESISTANCE) {
-    LoadForce(&tip->resistance, &at->at, dual, drag);
-    for (int d = 0; d < 2; d++) f[d] -= tip->force * drag[d];
+    const Place unspun = Unspun(at);
+    LoadForce(dims, &tip->resistance, &unspun, dual, drag);
+    for (int d = 0; d < dims; d++) f[d] -= tip->force * drag[d];
   }
-  (void)TipWalls(tip, &at->at, dual, f);
+  (void)TipWalls(dims, tip, at, dual, f);
 }
 
 /* Where it is held at a time. */
 static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
-  *held = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x3},
+  *held = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x[2]},
                       .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
                       .angle = tip->theta};
   if (tip->path) PathAt(tip->path, t, held);
@@ -233,12 +258,13 @@ static inline void Hold(int dims, const Tip *tip, const TipState *at, const Path
 }
 
 /* TipResidual - the three conditions at the tip, r = 0. */
-void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]) {
+void TipResidual(const Tip *tip, const TipState *at, const FrictionDual *dual,
+                 PetscReal r[TIP_ROWS]) {
   PathPlace held = {.angle = 0};
-  PetscReal f[2];
+  PetscReal f[RUBS];
 
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
-  if (!TipHolds(tip, 0)) TipForce(tip, at, dual, f);
+  if (!TipHolds(tip, 0)) TipForce(2, tip, at, dual, f);
   r[0] = TipPoints(tip) ? tip->per_turn * (at->theta - held.angle) : at->m[2];
   Hold(2, tip, at, &held, f, r + 1);
 }
@@ -249,25 +275,26 @@ void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, Petsc
 
   fresh, dual  as for LoadLinearise()
 */
-void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
-                 LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
-  enum { X1, X2, TH, M, N1, N2 };
-  const PetscReal P = tip->force, perp[2] = {-at->at.q[1], at->at.q[0]};
-  LoadSlope slope = {.v = {{0}}};
+void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[], PetscBool fresh,
+                 FrictionDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
+  enum { X1, X2, TH, M, N1, N2, DIMS = 2 };
+  const PetscReal P = tip->force, perp[] = {-at->at.q[1], at->at.q[0]};
+  LoadSlope slope = {.W = {{0}}};
 
   for (int i = 0; i < TIP_ROWS; i++)
     for (int j = 0; j < TIP_FIELDS; j++) J[i][j] = 0;
   J[0][TipPoints(tip) ? TH : M] = TipPoints(tip) ? tip->per_turn : 1;
-  for (int d = 0; d < 2; d++)
+  for (int d = 0; d < DIMS; d++)
     J[1 + d][TipHolds(tip, d) ? X1 + d : N1 + d] = TipHolds(tip, d) ? tip->per_place : 1;
   if (tip->type != TIP_FREE) return; /* (what presses on one that slides is dead) */
-  if (tip->walls) AddWallsSlope(tip, at, shift, fresh, dual, J);
+  if (tip->walls) PushWallsSlope(tip, at, shift, fresh, dual, J);
   if (P == 0) return;
-  for (int d = 0; d < 2 && tip->law == TIP_FOLLOWER; d++) J[1 + d][TH] = P * perp[d];
+  for (int d = 0; d < DIMS && tip->law == TIP_FOLLOWER; d++) J[1 + d][TH] = P * perp[d];
   if (tip->law != TIP_RESISTANCE) return;
-  LoadLinearise(&tip->resistance, &at->at, fresh, dual, &slope);
-  for (int d = 0; d < 2; d++)
-    for (int c = 0; c < 2; c++) J[1 + d][X1 + c] += P * (shift[c] * slope.v[d][c] + slope.x[d][c]);
+  LoadLinearise(DIMS, &tip->resistance, &at->at, fresh, dual, &slope);
+  for (int d = 0; d < DIMS; d++)
+    for (int c = 0; c < DIMS; c++)
+      J[1 + d][X1 + c] += P * (shift[c] * slope.W[d][c] + slope.x[d][c]);
 }
 
 /* The vector part of p_held* p, which says by how much a tip has turned from where it is held. */
@@ -278,61 +305,15 @@ static void TurnFrom(const PetscReal held[4], const PetscReal p[4], PetscReal v[
   for (int d = 0; d < 3; d++) v[d] = turn[1 + d];
 }
 
-/* TipWalls3 - adds to f what walls push a free tip in space with, and the couple about its tangent:
-   that of a piece l of rod. Returns the power of those that move. */
-PetscReal TipWalls3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
-                    PetscReal f[RUBS]) {
-  const Rubbed rubbed = {at->at.x, at->at.q, at->at.v, at->spin};
-  Touch3 touch[MOST_TOUCHES3];
-  PetscReal moved = 0, l;
-  PetscInt n;
-  Push3 push;
-
-  if (!tip->walls || tip->type != TIP_FREE) return 0;
-  l = tip->walls->tip;
-  n = ContactTouches3(tip->walls, at->at.x, touch);
-  for (PetscInt k = 0; k < n; k++) {
-    ContactPush3(tip->walls, &touch[k], &rubbed, ContactWallsRub(tip->walls) ? dual + 1 : NULL,
-                 &push);
-    for (int d = 0; d < 3; d++) f[d] += l * push.force[d];
-    f[SPIN] += l * push.couple;
-    if (touch[k].moves) moved += l * Dot3(push.force, touch[k].v);
-  }
-  return moved;
-}
-
-/* The place of the tip as a resistance sees it, which feels it move, but not spin. */
-static Place Unspun(const TipState *at) {
-  Place place = at->at;
-
-  place.v[SPIN] = 0;
-  return place;
-}
-
-/* The force on a free tip in space, and the couple about its tangent. */
-static void TipForce3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
-                      PetscReal f[RUBS]) {
-  const Place unspun = Unspun(at);
-  PetscReal drag[RUBS];
-
-  OwnForce(tip, at, f);
-  if (tip->force != 0 && tip->law == TIP_RESISTANCE) {
-    LoadForce3(&tip->resistance, &unspun, dual, drag);
-    for (int d = 0; d < 3; d++) f[d] -= tip->force * drag[d];
-  }
-  f[SPIN] = tip->torque;
-  (void)TipWalls3(tip, at, dual, f);
-}
-
 /* TipResidual3 - the six conditions at the tip in space, r = 0: m = torque d1, or the frame it is
    held at; n = f, or the place. */
-void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
+void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual *dual,
                   PetscReal r[TIP_ROWS3]) {
   PetscReal f[RUBS] = {0, 0, 0, tip->torque};
   PathPlace held = {.angle = 0};
 
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
-  if (!TipHolds(tip, 0)) TipForce3(tip, at, dual, f);
+  if (!TipHolds(tip, 0)) TipForce(3, tip, at, dual, f);
   if (TipPoints(tip)) TurnFrom(held.p, at->p, r);
   for (int d = 0; d < 3; d++)
     r[d] = TipPoints(tip) ? tip->per_turn * r[d] : at->m[d] - f[SPIN] * at->at.q[d];
@@ -343,20 +324,21 @@ void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
    n - f = 0. */
 static void PushWallsSlope3(const Tip *tip, const TipState *at,
                             const PetscReal dW[RUBS][TIP_FIELDS3], PetscBool fresh,
-                            FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
+                            FrictionDual *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
   enum { P = 3 };
-  const Rubbed rubbed = {at->at.x, at->at.q, at->at.v, at->spin};
-  FrictionDual4 *slots = ContactWallsRub(tip->walls) ? dual + 1 : NULL;
-  Touch3 touch[MOST_TOUCHES3];
-  PetscInt n = ContactTouches3(tip->walls, at->at.x, touch);
+  const Rubbed rubbed = RubbedOf(at);
+  FrictionDual *slots = WallDuals(3, tip, dual);
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = ContactTouches(3, tip->walls, at->at.x, touch);
   PetscReal by[RUBS][TIP_FIELDS3], l = tip->walls->tip;
-  Push3 push;
+  Push push;
 
-  if (slots) ContactSlots(n, touch, slots);
+  if (slots) ContactSlots(3, n, touch, slots);
   for (PetscInt k = 0; k < n; k++) {
-    ContactPush3(tip->walls, &touch[k], &rubbed, slots, &push);
+    FrictionDual *kept = ContactDual(3, &touch[k], slots);
+    ContactPush(3, tip->walls, &touch[k], &rubbed, kept, &push);
     const PetscReal couple = push.couple;
-    ContactPushSlope3(tip->walls, &touch[k], &rubbed, fresh, ContactSlot(&touch[k], slots), &push);
+    ContactPushSlope(3, tip->walls, &touch[k], &rubbed, fresh, kept, &push);
     for (int d = 0; d < RUBS; d++) {
       push.W[d][SPIN] *= at->per_W;
       for (int j = 0; j < TIP_FIELDS3; j++) {
@@ -376,13 +358,13 @@ static void PushWallsSlope3(const Tip *tip, const TipState *at,
 }
 
 /* TipJacobian3 - their derivatives by (x, p, m, n), of which W has the derivatives dW; fresh, dual
-   as for LoadLinearise3(). */
+   as for LoadLinearise(). */
 void TipJacobian3(const Tip *tip, const TipState *at, const PetscReal dW[RUBS][TIP_FIELDS3],
-                  PetscBool fresh, FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
+                  PetscBool fresh, FrictionDual *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
   enum { X, P = 3, M = 7, N = 10 };
   const PetscReal force = tip->force;
   const Place unspun = Unspun(at);
-  LoadSlope3 slope = {.q = {{0}}};
+  LoadSlope slope = {.q = {{0}}};
   PathPlace held;
 
   for (int i = 0; i < TIP_ROWS3; i++)
@@ -407,33 +389,34 @@ void TipJacobian3(const Tip *tip, const TipState *at, const PetscReal dW[RUBS][T
   for (int d = 0; d < 3 && tip->law == TIP_FOLLOWER; d++)
     for (int k = 0; k < 4; k++) J[3 + d][P + k] += force * at->q_p[d][k];
   if (tip->law != TIP_RESISTANCE) return;
-  LoadLinearise3(&tip->resistance, &unspun, fresh, dual, &slope);
+  LoadLinearise(3, &tip->resistance, &unspun, fresh, dual, &slope);
   for (int d = 0; d < 3; d++)
     for (int c = 0; c < 3; c++)
       J[3 + d][X + c] += force * (dW[c][X + c] * slope.W[d][c] + slope.x[d][c]);
 }
 
-/* TipHold3 - moves what holds a tip in space that sticks, to what resists it or to walls; returns
-   the speed at which it creeps. */
-PetscReal TipHold3(const Tip *tip, const TipState *at, PetscReal seen, FrictionDual4 dual[]) {
-  const Rubbed rubbed = {at->at.x, at->at.q, at->at.v, at->spin};
+/* TipHold - moves what holds a tip that sticks, to what resists it or to walls; returns the speed
+   at which it creeps. */
+PetscReal TipHold(int dims, const Tip *tip, const TipState *at, PetscReal seen,
+                  FrictionDual dual[]) {
+  const Rubbed rubbed = RubbedOf(at);
   const Place unspun = Unspun(at);
   PetscReal creep = 0;
 
   if (tip->type != TIP_FREE) return 0;
-  if (TipResists(tip)) creep = FrictionDualHold4(unspun.v, seen, friction_hold, dual);
-  if (tip->walls && ContactWallsRub(tip->walls))
-    creep = LargerOf(creep, ContactHold3(tip->walls, &rubbed, seen, dual + 1));
+  if (TipResists(tip)) creep = FrictionHold(LoadRubs(dims), unspun.v, seen, friction_hold, dual);
+  if (tip->walls && WallDuals(dims, tip, dual))
+    creep = LargerOf(creep, ContactHold(dims, tip->walls, &rubbed, seen, dual + 1));
   return creep;
 }
 
 /* TipCompression - how much the tip's force presses on a straight rod, which is at `at`. */
 PetscReal TipCompression(const Tip *tip, const Place *at) {
-  const LoadDual none = {.v = {0}};
+  const FrictionDual none = {.v = {0}};
   TipState state = {.at = *at};
-  PetscReal f[2];
+  PetscReal f[RUBS];
 
-  TipForce(tip, &state, &none, f);
+  TipForce(2, tip, &state, &none, f);
   return -f[0];
 }
 
@@ -452,7 +435,7 @@ static PetscErrorCode CheckSliding(const Tip *tip, MPI_Comm comm, const PetscRea
 
 /*
   TipSetPath - tells the path of a tip, if it has one, where clamp and tip are at the start; after
-  x, theta, x3 and p are set.
+  x, theta and p are set.
 
   length  of the rod, against which its first row must be next to the tip
   lab     from the frame of the clamp to the laboratory
@@ -467,7 +450,7 @@ PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const Petsc
   PetscFunctionBegin;
   if (!tip->path) PetscFunctionReturn(0);
   PetscCall(CheckSliding(tip, comm, lab));
-  start = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x3},
+  start = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x[2]},
                       .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
                       .angle = tip->theta};
   PathBegin(tip->path, lab, &start, apart);

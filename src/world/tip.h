@@ -11,7 +11,7 @@
 #define TENDRIL_TIP_H
 
 #include "base/lead.h"
-#include "world/load_space.h"
+#include "world/load.h"
 #include "world/path.h"
 
 typedef enum { TIP_FREE, TIP_PINNED, TIP_CLAMPED, TIP_SLIDES } TipType;
@@ -24,11 +24,11 @@ typedef struct {
   TipLaw law;
   PetscReal force;       /* P */
   Load resistance;       /* its friction is that of the tip: dry, of strength 1; its field is N */
-  PetscReal x[2], theta; /* where it is held, once the scene knows */
+  PetscReal x[3], theta; /* where it is held, once the scene knows */
   const Contact *walls;  /* NULL: none; borrowed */
   PetscReal push[3];     /* dead force beside, in the clamp's frame */
   PetscReal torque;      /* in space: about d1 of the tip, turns with it */
-  PetscReal x3, p[4];    /* in space: what x and theta leave out of where it is held */
+  PetscReal p[4];        /* in space: what theta leaves out of how it is held */
   Path path;             /* over time; NULL: it is held where it is at the start */
   Lead lead[3], turned;  /* place and angle, as a run has changed them; not on: it has not */
   /* What tells by how much it is off is a moment and a force in the rod's units, as the other
@@ -53,19 +53,21 @@ PetscErrorCode TipSetFromOptions(Tip *tip, const Load *load);
 PetscErrorCode TipDestroy(Tip *tip);
 const PetscReal *TipStill(const Tip *tip, PetscReal t, int axes, int fields,
                           const PetscReal rates[], PetscReal still[]);
-void TipForce(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal f[2]);
-PetscReal TipWalls(const Tip *tip, const Place *at, const LoadDual *dual, PetscReal f[2]);
-PetscReal TipWalls3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
-                    PetscReal f[RUBS]);
-void TipResidual(const Tip *tip, const TipState *at, const LoadDual *dual, PetscReal r[TIP_ROWS]);
-void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[2], PetscBool fresh,
-                 LoadDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]);
-void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual4 *dual,
+void TipForce(int dims, const Tip *tip, const TipState *at, const FrictionDual *dual,
+              PetscReal f[RUBS]);
+PetscReal TipWalls(int dims, const Tip *tip, const TipState *at, const FrictionDual *dual,
+                   PetscReal f[RUBS]);
+void TipResidual(const Tip *tip, const TipState *at, const FrictionDual *dual,
+                 PetscReal r[TIP_ROWS]);
+void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[], PetscBool fresh,
+                 FrictionDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]);
+void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual *dual,
                   PetscReal r[TIP_ROWS3]);
 void TipJacobian3(const Tip *tip, const TipState *at, const PetscReal dW[RUBS][TIP_FIELDS3],
-                  PetscBool fresh, FrictionDual4 *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]);
+                  PetscBool fresh, FrictionDual *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]);
 void TipHeldFrame(const Tip *tip, PetscReal t, PetscReal p[4]);
-PetscReal TipHold3(const Tip *tip, const TipState *at, PetscReal seen, FrictionDual4 dual[]);
+PetscReal TipHold(int dims, const Tip *tip, const TipState *at, PetscReal seen,
+                  FrictionDual dual[]);
 PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const PetscReal lab[3][3],
                           PetscBool space);
 void TipLeadTo(Tip *tip, PetscReal t, PetscReal by, const PetscReal x[3]);

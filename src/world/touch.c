@@ -3,33 +3,58 @@
 
 static const PetscReal everywhere = 1e300;
 
-static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
-  return a[0] * b[0] + a[1] * b[1];
+/* WallPieceLine - from a point along t, free on its left side (1) or right side (-1); it ends
+   nowhere yet. */
+WallPiece WallPieceLine(Vector2 at, Vector2 t, PetscReal side) {
+  return (WallPiece){.at = at, .t = t, .n = Times2(side, Left2(t)), .deep = everywhere};
+}
+
+/* WallPieceCircle - an arc all round, free outside (1) or inside (-1). */
+WallPiece WallPieceCircle(Vector2 at, PetscReal r, PetscReal sign) {
+  return (WallPiece){
+      .round = PETSC_TRUE, .at = at, .r = r, .sign = sign, .reach = -2, .deep = everywhere};
+}
+
+/* WallPieceArc - ... between two directions of length 1 that are less than half a turn apart. */
+WallPiece WallPieceArc(Vector2 at, PetscReal r, PetscReal sign, Vector2 one, Vector2 other) {
+  WallPiece p = WallPieceCircle(at, r, sign);
+  const Vector2 sum = Plus2(one, other);
+
+  p.middle = Over2(sum, Size2(sum));
+  p.reach = Dot2(one, p.middle);
+  return p;
 }
 
 /* WallPieceDistance - the distance of x from a piece, 0 on it, and its normal; is x in the piece's
    range? */
-PetscBool WallPieceDistance(const WallPiece *p, const PetscReal x[2], PetscReal *distance,
-                            PetscReal normal[2], PetscReal *bend) {
-  PetscReal o[2] = {x[0] - p->at[0], x[1] - p->at[1]}, size, z;
+PetscBool WallPieceDistance(const WallPiece *p, Vector2 x, PetscReal *distance, Vector2 *normal,
+                            PetscReal *bend) {
+  const Vector2 o = Minus2(x, p->at);
+  PetscReal size;
 
   if (!p->round) {
-    z = Dot(o, p->t);
-    *distance = Dot(o, p->n);
-    for (int d = 0; d < 2; d++) normal[d] = p->n[d];
+    const PetscReal z = Dot2(o, p->t);
+    *distance = Dot2(o, p->n);
+    *normal = p->n;
     *bend = 0;
     return (PetscBool)(z >= p->from && z < p->to && *distance >= -p->deep);
   }
-  if (p->reach > 0 && Dot(o, p->middle) < 0) return PETSC_FALSE;
-  size = PetscSqrtReal(Dot(o, o));
+  if (p->reach > 0 && Dot2(o, p->middle) < 0) return PETSC_FALSE;
+  size = PetscSqrtReal(Dot2(o, o));
   if (size == 0) return PETSC_FALSE;
   *distance = p->sign * (size - p->r);
-  for (int d = 0; d < 2; d++) normal[d] = p->sign * o[d] / size;
+  *normal = Over2(Times2(p->sign, o), size);
   *bend = p->sign / size;
-  return (PetscBool)(Dot(o, p->middle) >= p->reach * size && *distance >= -p->deep);
+  return (PetscBool)(Dot2(o, p->middle) >= p->reach * size && *distance >= -p->deep);
 }
 
 /* ---- which pieces are near ---- */
+
+static void Hold(Block *block, Vector2 x) {
+  const PetscReal at[] = {x.x, x.y};
+
+  BlockHold(2, block, at);
+}
 
 /* Where an arc is: within the triangle of its ends and of the corner that it rounds. */
 static Block ArcBlock(const WallPiece *p, PetscReal r) {
@@ -37,27 +62,20 @@ static Block ArcBlock(const WallPiece *p, PetscReal r) {
   Block block = BlockEmpty(2);
 
   for (int e = -1; e <= 1; e++) {
-    PetscReal x[2], along = e ? p->reach : 1 / p->reach;
-    for (int d = 0; d < 2; d++)
-      x[d] =
-          p->at[d] + r * (along * p->middle[d] + e * across * (d ? p->middle[0] : -p->middle[1]));
-    BlockHold(2, &block, x);
+    const Vector2 middle = Times2(e ? p->reach : 1 / p->reach, p->middle);
+    Hold(&block, Along2(p->at, r, Along2(middle, e * across, Left2(p->middle))));
   }
   return block;
 }
 
 /* Where a piece is that ends somewhere. */
 static Block PieceBlock(const WallPiece *p) {
-  const PetscReal ends[2] = {PetscMin(0, p->from), PetscMax(p->edge, p->to)};
+  const Vector2 all_round = {p->r, p->r};
   Block block = BlockEmpty(2);
 
   if (p->round && p->reach > 0) return ArcBlock(p, p->r);
-  for (int e = 0; e < 2; e++) {
-    PetscReal x[2];
-    for (int d = 0; d < 2; d++)
-      x[d] = p->at[d] + (p->round ? (2 * e - 1) * p->r : ends[e] * p->t[d]);
-    BlockHold(2, &block, x);
-  }
+  Hold(&block, p->round ? Minus2(p->at, all_round) : Along2(p->at, PetscMin(0, p->from), p->t));
+  Hold(&block, p->round ? Plus2(p->at, all_round) : Along2(p->at, PetscMax(p->edge, p->to), p->t));
   return block;
 }
 
@@ -67,15 +85,12 @@ static Block AxisBlock(const Wall *wall, const WallPiece *p) {
   Block block = BlockEmpty(2);
 
   if (p->at_mouth) {
-    BlockHold(2, &block, p->mouth);
+    Hold(&block, p->mouth);
     return block;
   }
   if (p->round) return ArcBlock(p, p->r + p->sign * R);
-  for (int e = 0; e < 2; e++) {
-    PetscReal x[2];
-    for (int d = 0; d < 2; d++) x[d] = p->at[d] + R * p->n[d] + (e ? p->to : 0) * p->t[d];
-    BlockHold(2, &block, x);
-  }
+  Hold(&block, Along2(p->at, R, p->n));
+  Hold(&block, Along2(Along2(p->at, R, p->n), p->to, p->t));
   return block;
 }
 
@@ -107,7 +122,7 @@ static PetscErrorCode IndexEdges(Wall *wall) {
   PetscFunctionReturn(0);
 }
 
-static PetscReal FromAxis(const Walls *walls, PetscInt conduit, const PetscReal x[2]);
+static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x);
 
 /* A gentle bend is an arc of a wide circle. Where the conduit goes through that circle elsewhere,
    not all of it is behind the surface, and it is no post. */
@@ -152,11 +167,12 @@ static PetscErrorCode IndexPosts(Walls *walls) {
   DropOpenPosts(walls);
   PetscCall(SortPosts(walls));
   PetscCall(PetscMalloc1(walls->resting, &block));
-  for (PetscInt k = 0; k < walls->resting; k++)
-    for (int d = 0; d < 2; d++) {
-      block[k].low[d] = walls->post[k].at[d] - walls->post[k].r;
-      block[k].high[d] = walls->post[k].at[d] + walls->post[k].r;
-    }
+  for (PetscInt k = 0; k < walls->resting; k++) {
+    const WallPost *post = &walls->post[k];
+    const Vector2 all_round = {post->r, post->r};
+    Put2(Minus2(post->at, all_round), block[k].low);
+    Put2(Plus2(post->at, all_round), block[k].high);
+  }
   PetscCall(BlocksCreate(2, walls->resting, block, &walls->near_posts));
   PetscCall(PetscFree(block));
   PetscFunctionReturn(0);
@@ -250,25 +266,26 @@ PetscErrorCode WallsDropIndex(Walls *walls) {
 typedef struct {
   const Walls *walls;
   const PetscReal *x;
+  Vector2 at; /* the same */
   PetscReal radius, within;
   PetscReal nearest; /* gap so far, if that is what is looked for */
   PetscInt n;        /* touches so far */
-  Touch *touch;      /* NULL: the nearest is looked for */
+  WallTouch *touch;  /* NULL: the nearest is looked for */
   PetscInt wall;     /* the conduit that is looked at */
   PetscReal far;     /* its axis, at most */
 } Look;
 
 /* Takes note of a piece, in order: by wall and piece. */
-static void Take(Look *look, PetscInt wall, PetscInt piece, Touch *at) {
+static void Take(Look *look, PetscInt wall, PetscInt piece, WallTouch *at) {
   PetscInt k = look->n;
 
   at->gap += look->walls->wall[wall].off - look->radius;
   look->nearest = PetscMin(look->nearest, at->gap);
-  if (!look->touch || at->gap >= look->within || look->n == MOST_TOUCHES) return;
+  if (!look->touch || at->gap >= look->within || look->n == MOST_WALL_TOUCHES) return;
   at->wall = wall;
   at->piece = piece;
   at->again = PETSC_FALSE;
-  at->v[0] = at->v[1] = 0;
+  at->v = (Vector2){0, 0};
   for (; k > 0 && (look->touch[k - 1].wall > wall ||
                    (look->touch[k - 1].wall == wall && look->touch[k - 1].piece > piece));
        k--)
@@ -278,10 +295,10 @@ static void Take(Look *look, PetscInt wall, PetscInt piece, Touch *at) {
 }
 
 static void LookAt(Look *look, const WallPart *part) {
-  Touch at;
+  WallTouch at;
 
-  if (WallPieceDistance(&look->walls->wall[part->wall].piece[part->piece], look->x, &at.gap,
-                        at.normal, &at.bend))
+  if (WallPieceDistance(&look->walls->wall[part->wall].piece[part->piece], look->at, &at.gap,
+                        &at.normal, &at.bend))
     Take(look, part->wall, part->piece, &at);
 }
 
@@ -298,29 +315,28 @@ static PetscReal MeetPart(PetscInt item, PetscReal reach, void *ctx) {
 }
 
 /* How far x is from the axis of a conduit, seen from one of its pieces. */
-static PetscReal AxisDistance(const Wall *wall, const WallPiece *p, const PetscReal x[2],
-                              PetscReal distance) {
-  if (p->at_mouth) return hypot(x[0] - p->mouth[0], x[1] - p->mouth[1]);
+static PetscReal AxisDistance(const Wall *wall, const WallPiece *p, Vector2 x, PetscReal distance) {
+  if (p->at_mouth) return Size2(Minus2(x, p->mouth));
   return PetscAbsReal(wall->number[0] - distance);
 }
 
 static PetscReal MeetAxis(PetscInt item, PetscReal reach, void *ctx) {
   Look *look = (Look *)ctx;
   const Wall *wall = &look->walls->wall[look->wall];
-  Touch at;
+  WallTouch at;
 
-  if (WallPieceDistance(&wall->piece[item], look->x, &at.gap, at.normal, &at.bend))
-    look->far = PetscMin(look->far, AxisDistance(wall, &wall->piece[item], look->x, at.gap));
+  if (WallPieceDistance(&wall->piece[item], look->at, &at.gap, &at.normal, &at.bend))
+    look->far = PetscMin(look->far, AxisDistance(wall, &wall->piece[item], look->at, at.gap));
   return PetscMin(reach, look->far);
 }
 
 static PetscReal MeetConduit(PetscInt item, PetscReal reach, void *ctx) {
   Look *look = (Look *)ctx;
   const Wall *wall = &look->walls->wall[look->wall];
-  Touch at;
+  WallTouch at;
 
-  if (WallPieceDistance(&wall->piece[item], look->x, &at.gap, at.normal, &at.bend) &&
-      AxisDistance(wall, &wall->piece[item], look->x, at.gap) <= reach)
+  if (WallPieceDistance(&wall->piece[item], look->at, &at.gap, &at.normal, &at.bend) &&
+      AxisDistance(wall, &wall->piece[item], look->at, at.gap) <= reach)
     Take(look, look->wall, item, &at);
   return reach;
 }
@@ -354,15 +370,15 @@ static PetscBool LookAtListed(Look *look, PetscInt wall, PetscReal reach, const 
   const PetscReal same = 1 + 1e-9;
   PetscReal away[MOST];
   const int n = *list++;
-  Touch at[MOST];
+  WallTouch at[MOST];
 
   if (n > MOST) return PETSC_FALSE;
   look->far = everywhere;
   for (int k = 0; k < n; k++) {
     away[k] = everywhere;
-    if (!WallPieceDistance(&self->piece[list[k]], look->x, &at[k].gap, at[k].normal, &at[k].bend))
+    if (!WallPieceDistance(&self->piece[list[k]], look->at, &at[k].gap, &at[k].normal, &at[k].bend))
       continue;
-    away[k] = AxisDistance(self, &self->piece[list[k]], look->x, at[k].gap);
+    away[k] = AxisDistance(self, &self->piece[list[k]], look->at, at[k].gap);
     look->far = PetscMin(look->far, away[k]);
   }
   if (!(same * look->far <= reach)) return PETSC_FALSE;
@@ -422,23 +438,23 @@ static void LookAtWall(Look *look, PetscInt w) {
 }
 
 /* ... displaced by so much. */
-static void LookAtShifted(Look *look, PetscInt wall, const PetscReal shift[2]) {
-  const PetscReal *x = look->x, y[2] = {x[0] - shift[0], x[1] - shift[1]};
+static void LookAtShifted(Look *look, PetscInt wall, Vector2 shift) {
+  const Look from = *look;
+  PetscReal y[3] = {0};
 
+  look->at = Minus2(from.at, shift);
+  Put2(look->at, y);
   look->x = y;
   LookAtWall(look, wall);
-  look->x = x;
+  look->at = from.at;
+  look->x = from.x;
 }
 
 static void LookAtMoving(Look *look) {
   const Walls *walls = look->walls;
-  PetscReal shift[2];
 
-  for (PetscInt w = 0; w < walls->n; w++) {
-    if (!walls->wall[w].motion.any) continue;
-    WallShift(walls, w, walls->time, shift);
-    LookAtShifted(look, w, shift);
-  }
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].motion.any) LookAtShifted(look, w, WallShift(walls, w, walls->time));
 }
 
 static void LookAround(Look *look) {
@@ -464,105 +480,97 @@ static void LookAround(Look *look) {
   WallsTouch - the surfaces near a point of the rod, in the clamp's frame.
 
   radius  of the rod        within  only those with a gap below this
-  Returns how many there are; MOST_TOUCHES: there may be more.
+  Returns how many there are; MOST_WALL_TOUCHES: there may be more.
 */
-PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
-                    Touch touch[MOST_TOUCHES]) {
-  Look look = {.walls = walls, .x = x, .radius = radius, .within = within, .touch = touch};
+PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, PetscReal within,
+                    WallTouch touch[MOST_WALL_TOUCHES]) {
+  Look look = {
+      .walls = walls, .x = x, .at = From2(x), .radius = radius, .within = within, .touch = touch};
 
   look.nearest = everywhere;
   LookAround(&look);
   for (PetscInt k = 1; k < look.n; k++)
     touch[k].again = (PetscBool)(touch[k].wall == touch[k - 1].wall);
   for (PetscInt k = 0; k < look.n && walls->move; k++)
-    if (walls->wall[touch[k].wall].motion.any) WallVelocity(walls, touch[k].wall, touch[k].v);
+    if (walls->wall[touch[k].wall].motion.any) touch[k].v = WallVelocity(walls, touch[k].wall);
   return look.n;
 }
 
 /* WallsGapWithin - the smallest gap of a point of the rod to any wall, if that is below `within`;
    else that. */
-PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[2], PetscReal radius,
+PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[3], PetscReal radius,
                          PetscReal within) {
-  Look look = {.walls = walls, .x = x, .radius = radius, .nearest = within};
+  Look look = {.walls = walls, .x = x, .at = From2(x), .radius = radius, .nearest = within};
 
   LookAround(&look);
   return look.nearest;
 }
 
 /* WallsGap - the smallest gap of a point of the rod to any wall; 1e300: there is none. */
-PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius) {
+PetscReal WallsGap(const Walls *walls, const PetscReal x[3], PetscReal radius) {
   return WallsGapWithin(walls, x, radius, everywhere);
 }
 
 /* ---- what is solid ---- */
 
 /* Is x in the polygon? A ray along x1 crosses its edges an odd number of times. */
-static PetscBool InPolygon(const Wall *wall, const PetscReal x[2]) {
+static PetscBool InPolygon(const Wall *wall, Vector2 x) {
   PetscBool in = PETSC_FALSE;
 
   for (PetscInt k = 0; k < wall->pieces; k++) {
     const WallPiece *p = &wall->piece[k];
-    PetscReal a[2], b[2];
+    const Vector2 a = Minus2(p->at, x), b = Along2(a, p->edge, p->t);
     if (p->round) continue;
-    for (int d = 0; d < 2; d++) {
-      a[d] = p->at[d] - x[d];
-      b[d] = a[d] + p->edge * p->t[d];
-    }
-    if ((a[1] > 0) != (b[1] > 0) && (a[0] * b[1] - a[1] * b[0] > 0) == (b[1] > a[1]))
-      in = (PetscBool)!in;
+    if ((a.y > 0) != (b.y > 0) && (Cross2(a, b) > 0) == (b.y > a.y)) in = (PetscBool)!in;
   }
   return in;
 }
 
 /* A place as a wall has it that is where it is given. */
-static void AsGiven(const Walls *walls, PetscInt wall, const PetscReal x[2], PetscReal y[2]) {
-  PetscReal shift[2] = {0, 0};
+static Vector2 AsGiven(const Walls *walls, PetscInt wall, const PetscReal x[3]) {
+  const Vector2 rests = {0, 0};
 
-  if (walls->wall[wall].motion.any) WallShift(walls, wall, walls->time, shift);
-  for (int d = 0; d < 2; d++) y[d] = x[d] - shift[d];
+  return Minus2(From2(x),
+                walls->wall[wall].motion.any ? WallShift(walls, wall, walls->time) : rests);
 }
 
 /* WallsBehind - the polygon behind whose surface a place is, however deep: its number; -1: none.
    (Of the other walls the gap tells.) */
-PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]) {
-  PetscReal y[2];
-
-  for (PetscInt w = 0; w < walls->n; w++) {
-    if (walls->wall[w].kind != WALL_POLYGON) continue;
-    AsGiven(walls, w, x, y);
-    if (InPolygon(&walls->wall[w], y) != walls->wall[w].inside) return w;
-  }
+PetscInt WallsBehind(const Walls *walls, const PetscReal x[3]) {
+  for (PetscInt w = 0; w < walls->n; w++)
+    if (walls->wall[w].kind == WALL_POLYGON &&
+        InPolygon(&walls->wall[w], AsGiven(walls, w, x)) != walls->wall[w].inside)
+      return w;
   return -1;
 }
 
 /* WallGapShifted - the gap of a point of the rod to one wall that is displaced by so much, in the
    clamp's frame. */
-PetscReal WallGapShifted(const Walls *walls, PetscInt wall, const PetscReal shift[2],
-                         const PetscReal x[2], PetscReal radius) {
+PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const PetscReal x[3],
+                         PetscReal radius) {
   const Wall *self = &walls->wall[wall];
-  const PetscReal y[2] = {x[0] - shift[0], x[1] - shift[1]};
-  Look look = {.walls = walls, .x = y, .radius = radius, .nearest = everywhere};
+  Look look = {.walls = walls, .x = x, .at = From2(x), .radius = radius, .nearest = everywhere};
 
-  if (self->kind == WALL_POLYGON && InPolygon(self, y) != self->inside) return -radius;
-  LookAtWall(&look, wall);
+  if (self->kind == WALL_POLYGON && InPolygon(self, Minus2(look.at, shift)) != self->inside)
+    return -radius;
+  LookAtShifted(&look, wall, shift);
   return look.nearest;
 }
 
 /* How far a place is, where walls are given, from the axis of a conduit. */
-static PetscReal FromAxis(const Walls *walls, PetscInt conduit, const PetscReal x[2]) {
-  const Block place = BlockAt(2, x);
-  Look look = {.walls = walls, .x = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
+static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x) {
+  const PetscReal at[] = {x.x, x.y};
+  const Block place = BlockAt(2, at);
+  Look look = {.walls = walls, .at = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
 
   BlocksNear(walls->wall[conduit].axis, &place, everywhere, MeetAxis, &look);
   return look.far;
 }
 
 /* WallsHold - is a place in the conduit which that wall is? One that is none holds every place. */
-PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[2]) {
+PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[3]) {
   const Wall *self = &walls->wall[wall];
-  PetscReal y[2];
 
-  if (self->kind != WALL_PATH) return PETSC_TRUE;
-  AsGiven(walls, wall, x, y);
-  return (PetscBool)(FromAxis(walls, wall, y) <= self->number[0]);
+  return (PetscBool)(self->kind != WALL_PATH ||
+                     FromAxis(walls, wall, AsGiven(walls, wall, x)) <= self->number[0]);
 }

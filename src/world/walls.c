@@ -18,137 +18,98 @@ static const char *const wall_in_space[WALL_KINDS] = {
 
 static const PetscReal everywhere = 1e300;
 
-static PetscReal Dot(const PetscReal a[2], const PetscReal b[2]) {
-  return a[0] * b[0] + a[1] * b[1];
-}
-
-static PetscReal Cross(const PetscReal a[2], const PetscReal b[2]) {
-  return a[0] * b[1] - a[1] * b[0];
-}
-
 /* ---- making the pieces ---- */
 
 /* What a wall is made from. */
 typedef struct {
   const char *file;
-  int line;                  /* of the file */
-  PetscReal radius, turn[2]; /* of the rod; cosine and sine of the clamp's angle */
+  int line;         /* of the file */
+  PetscReal radius; /* of the rod */
+  Vector2 turn;     /* cosine and sine of the clamp's angle */
   Wall *wall;
 } Maker;
 
 /* Numbers k, k + 1 of the wall, a place or direction of the laboratory, in the clamp's frame. */
-static void PlaceOf(const Maker *self, PetscInt k, PetscReal x[2]) {
-  const PetscReal *a = self->wall->number + k, c = self->turn[0], s = self->turn[1];
-  x[0] = c * a[0] + s * a[1];
-  x[1] = -s * a[0] + c * a[1];
-}
+static Vector2 PlaceOf(const Maker *self, PetscInt k) {
+  const Vector2 a = From2(self->wall->number + k);
 
-static WallPiece *NewPiece(Wall *wall) {
-  WallPiece *p = &wall->piece[wall->pieces++];
-  p->deep = everywhere;
-  return p;
+  return (Vector2){Dot2(self->turn, a), Cross2(self->turn, a)};
 }
 
 /* A line from a on, of this length, free on its left side (1) or right side (-1), moved by `off`
    against it. */
-static WallPiece *AddLine(Wall *wall, const PetscReal a[2], const PetscReal t[2], PetscReal length,
-                          PetscReal side, PetscReal off) {
-  WallPiece *p = NewPiece(wall);
-  p->n[0] = -side * t[1];
-  p->n[1] = side * t[0];
-  for (int d = 0; d < 2; d++) {
-    p->t[d] = t[d];
-    p->at[d] = a[d] - off * p->n[d];
-  }
-  p->from = 0;
+static WallPiece *AddLine(Wall *wall, Vector2 a, Vector2 t, PetscReal length, PetscReal side,
+                          PetscReal off) {
+  WallPiece *p = &wall->piece[wall->pieces++];
+
+  *p = WallPieceLine(a, t, side);
+  p->at = Along2(a, -off, p->n);
   p->to = length;
   return p;
 }
 
-/* An arc about c, between two directions less than half a turn apart; all round if they are NULL.
- */
-static WallPiece *AddArc(Wall *wall, const PetscReal c[2], PetscReal r, PetscReal sign,
-                         const PetscReal *one, const PetscReal *other) {
-  WallPiece *p = NewPiece(wall);
-  PetscReal size;
+/* An arc about c, between two directions less than half a turn apart. */
+static WallPiece *AddArc(Wall *wall, Vector2 c, PetscReal r, PetscReal sign, Vector2 one,
+                         Vector2 other) {
+  WallPiece *p = &wall->piece[wall->pieces++];
 
-  p->round = PETSC_TRUE;
-  p->r = r;
-  p->sign = sign;
-  p->reach = -2;
-  for (int d = 0; d < 2; d++) p->at[d] = c[d];
-  if (!one) return p;
-  for (int d = 0; d < 2; d++) p->middle[d] = one[d] + other[d];
-  size = hypot(p->middle[0], p->middle[1]);
-  for (int d = 0; d < 2; d++) p->middle[d] /= size;
-  p->reach = Dot(one, p->middle);
+  *p = WallPieceArc(c, r, sign, one, other);
   return p;
 }
 
 static PetscErrorCode MakePlane(Maker *self) {
-  PetscReal a[2], n[2], t[2], size;
+  const Vector2 n = PlaceOf(self, 2);
+  const PetscReal size = Size2(n);
   WallPiece *p;
 
   PetscFunctionBegin;
-  PlaceOf(self, 0, a);
-  PlaceOf(self, 2, n);
-  size = hypot(n[0], n[1]);
   UserCheck(size > 0, OptionsComm(), "-wall_file %s, line %d: the plane's normal is 0", self->file,
             self->line);
-  t[0] = n[1] / size;
-  t[1] = -n[0] / size;
-  p = AddLine(self->wall, a, t, everywhere, 1, 0);
+  p = AddLine(self->wall, PlaceOf(self, 0), (Vector2){n.y / size, -n.x / size}, everywhere, 1, 0);
   p->from = -everywhere;
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode MakeCircle(Maker *self) {
   const PetscReal r = self->wall->number[2];
-  PetscReal c[2];
 
   PetscFunctionBegin;
-  PlaceOf(self, 0, c);
   UserCheck(r > 0, OptionsComm(), "-wall_file %s, line %d: a circle's radius must be above 0",
             self->file, self->line);
   UserCheck(!self->wall->inside || r > self->radius, OptionsComm(),
             "-wall_file %s, line %d: the circle is narrower than the rod (-contact_diameter)",
             self->file, self->line);
-  (void)AddArc(self->wall, c, r, self->wall->inside ? -1 : 1, NULL, NULL);
+  self->wall->piece[self->wall->pieces++] =
+      WallPieceCircle(PlaceOf(self, 0), r, self->wall->inside ? -1 : 1);
   PetscFunctionReturn(0);
 }
 
 /* The unit vector from one place to another; its length is returned. */
-static PetscReal Direction(const PetscReal a[2], const PetscReal b[2], PetscReal t[2]) {
-  PetscReal size = hypot(b[0] - a[0], b[1] - a[1]);
-  for (int d = 0; d < 2; d++) t[d] = size > 0 ? (b[d] - a[d]) / size : 0;
+static PetscReal Direction(Vector2 a, Vector2 b, Vector2 *t) {
+  const Vector2 way = Minus2(b, a);
+  const PetscReal size = Size2(way);
+
+  *t = size > 0 ? Over2(way, size) : (Vector2){0, 0};
   return size;
 }
 
 /* Twice the area of a polygon, positive if it runs to the left. */
 static PetscReal Area(const Maker *self, PetscInt from, PetscInt n) {
-  PetscReal sum = 0, a[2], b[2];
-  for (PetscInt k = 0; k < n; k++) {
-    PlaceOf(self, from + 2 * k, a);
-    PlaceOf(self, from + 2 * ((k + 1) % n), b);
-    sum += Cross(a, b);
-  }
+  PetscReal sum = 0;
+
+  for (PetscInt k = 0; k < n; k++)
+    sum += Cross2(PlaceOf(self, from + 2 * k), PlaceOf(self, from + 2 * ((k + 1) % n)));
   return sum;
 }
 
 /* Do two edges of a polygon cross? */
 static PetscBool EdgesCross(const Maker *self, PetscInt n, PetscInt i, PetscInt j) {
-  PetscReal a[2], b[2], c[2], d[2], r[2], q[2], o[2], det, u, w;
+  const Vector2 a = PlaceOf(self, 2 * i), c = PlaceOf(self, 2 * j), o = Minus2(c, a),
+                r = Minus2(PlaceOf(self, 2 * ((i + 1) % n)), a),
+                q = Minus2(PlaceOf(self, 2 * ((j + 1) % n)), c);
+  const PetscReal det = Cross2(r, q), u = Cross2(o, q) / det, w = Cross2(o, r) / det;
 
-  PlaceOf(self, 2 * i, a);
-  PlaceOf(self, 2 * ((i + 1) % n), b);
-  PlaceOf(self, 2 * j, c);
-  PlaceOf(self, 2 * ((j + 1) % n), d);
-  for (int k = 0; k < 2; k++) r[k] = b[k] - a[k], q[k] = d[k] - c[k], o[k] = c[k] - a[k];
-  det = Cross(r, q);
-  if (det == 0) return PETSC_FALSE;
-  u = Cross(o, q) / det;
-  w = Cross(o, r) / det;
-  return (PetscBool)(u >= 0 && u <= 1 && w >= 0 && w <= 1);
+  return (PetscBool)(det != 0 && u >= 0 && u <= 1 && w >= 0 && w <= 1);
 }
 
 static PetscErrorCode CheckPolygon(Maker *self, PetscInt n) {
@@ -170,26 +131,25 @@ static PetscErrorCode CheckPolygon(Maker *self, PetscInt n) {
 
 /* An edge of a polygon, and the corner at its end. */
 typedef struct {
-  PetscReal at[2], t[2], length;
-  PetscReal turn;   /* at its end: above 0 where the corner is hollow */
-  PetscReal r;      /* of the arc there; 0: there is none */
-  PetscReal cut[2]; /* of its two ends, how much does not press; below 0: it presses beyond them */
+  Vector2 at, t;
+  PetscReal length;
+  PetscReal turn; /* at its end: above 0 where the corner is hollow */
+  PetscReal r;    /* of the arc there; 0: there is none */
+  PetscReal before,
+      behind; /* of its two ends, how much does not press; below 0: it presses beyond */
 } Edge;
 
 static PetscErrorCode MeasureEdges(const Maker *self, PetscInt n, PetscReal side, Edge edge[]) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < n; k++) {
-    PetscReal b[2];
-    edge[k] = (Edge){.r = 0};
-    PlaceOf(self, 2 * k, edge[k].at);
-    PlaceOf(self, 2 * ((k + 1) % n), b);
-    edge[k].length = Direction(edge[k].at, b, edge[k].t);
+    edge[k] = (Edge){.at = PlaceOf(self, 2 * k)};
+    edge[k].length = Direction(edge[k].at, PlaceOf(self, 2 * ((k + 1) % n)), &edge[k].t);
     UserCheck(edge[k].length > 0, OptionsComm(),
               "-wall_file %s, line %d: two of its points are the same", self->file, self->line);
   }
   for (PetscInt k = 0; k < n; k++) {
-    const PetscReal *t = edge[k].t, *u = edge[(k + 1) % n].t;
-    edge[k].turn = side * PetscAtan2Real(Cross(t, u), Dot(t, u));
+    const Vector2 t = edge[k].t, u = edge[(k + 1) % n].t;
+    edge[k].turn = side * PetscAtan2Real(Cross2(t, u), Dot2(t, u));
   }
   PetscFunctionReturn(0);
 }
@@ -257,27 +217,22 @@ static void CutEdges(PetscReal R, PetscInt n, Edge edge[]) {
     const PetscReal turn = edge[k].turn;
     if (turn <= 0) continue;
     if (edge[k].r > 0 || turn < straight) /* they go over into the arc, or into each other */
-      edge[k].cut[1] = edge[next].cut[0] = (edge[k].r > 0 ? edge[k].r : R) * PetscTanReal(turn / 2);
+      edge[k].behind = edge[next].before = (edge[k].r > 0 ? edge[k].r : R) * PetscTanReal(turn / 2);
     else {
-      edge[k].cut[1] = -PressesBeyond(R, n, edge, k, 1);
-      edge[next].cut[0] = -PressesBeyond(R, n, edge, next, -1);
+      edge[k].behind = -PressesBeyond(R, n, edge, k, 1);
+      edge[next].before = -PressesBeyond(R, n, edge, next, -1);
     }
   }
 }
 
 /* The arc of a corner between two edges; side: 1 the rod is on their left. */
 static void AddCornerArc(Maker *self, const Edge *edge, const Edge *next, PetscReal side) {
-  const PetscReal out = edge->turn > 0 ? -1 : 1,
-                  one[2] = {-out * side * edge->t[1], out * side * edge->t[0]},
-                  other[2] = {-out * side * next->t[1], out * side * next->t[0]},
-                  away = edge->r / PetscCosReal(edge->turn / 2);
-  PetscReal middle[2], c[2];
-  WallPiece *p;
+  const PetscReal out = edge->turn > 0 ? -1 : 1, away = edge->r / PetscCosReal(edge->turn / 2);
+  const Vector2 one = Times2(out * side, Left2(edge->t)),
+                other = Times2(out * side, Left2(next->t)), middle = Plus2(one, other);
+  WallPiece *p = AddArc(self->wall, Minus2(next->at, Over2(Times2(away, middle), Size2(middle))),
+                        edge->r, out, one, other);
 
-  for (int d = 0; d < 2; d++) middle[d] = one[d] + other[d];
-  const PetscReal size = hypot(middle[0], middle[1]);
-  for (int d = 0; d < 2; d++) c[d] = next->at[d] - away * middle[d] / size;
-  p = AddArc(self->wall, c, edge->r, out, one, other);
   if (edge->r > 0) p->deep = self->radius;
 }
 
@@ -324,8 +279,8 @@ static PetscErrorCode MakePolygon(Maker *self) {
     WallPiece *line = AddLine(self->wall, edge[k].at, edge[k].t, edge[k].length, side, 0);
     line->deep = self->radius;
     line->edge = edge[k].length;
-    line->from = edge[k].cut[0];
-    line->to = edge[k].length - edge[k].cut[1];
+    line->from = edge[k].before;
+    line->to = edge[k].length - edge[k].behind;
     if (edge[k].turn < 0 || edge[k].r > 0) AddCornerArc(self, &edge[k], next, side);
   }
   PetscCall(PetscFree(edge));
@@ -334,17 +289,14 @@ static PetscErrorCode MakePolygon(Maker *self) {
 
 /* The mouths of a conduit are rounded: an arc of its own radius on either side, as a trumpet has.
  */
-static void AddMouth(Wall *wall, const PetscReal end[2], const PetscReal outwards[2]) {
+static void AddMouth(Wall *wall, Vector2 end, Vector2 outwards) {
   const PetscReal r = wall->number[0];
 
   for (int side = -1; side <= 1; side += 2) {
-    PetscReal across[2] = {-side * outwards[1], side * outwards[0]},
-              in[2] = {-across[0], -across[1]}, c[2];
-    WallPiece *p;
-    for (int d = 0; d < 2; d++) c[d] = end[d] + 2 * r * across[d];
-    p = AddArc(wall, c, r, 1, in, outwards);
+    const Vector2 across = Times2(side, Left2(outwards));
+    WallPiece *p = AddArc(wall, Along2(end, 2 * r, across), r, 1, Times2(-1, across), outwards);
     p->at_mouth = PETSC_TRUE;
-    for (int d = 0; d < 2; d++) p->mouth[d] = end[d];
+    p->mouth = end;
   }
 }
 
@@ -359,18 +311,18 @@ static PetscReal Rounding(const Wall *wall, PetscReal angle, PetscReal before, P
 }
 
 /* The arc of the axis about a corner b, and with it the two walls there. */
-static PetscErrorCode AddCorner(Maker *self, const PetscReal b[2], const PetscReal t[2],
-                                const PetscReal u[2], PetscReal angle, PetscReal taken) {
-  const PetscReal r = self->wall->number[0], side = Cross(t, u) > 0 ? 1 : -1,
+static PetscErrorCode AddCorner(Maker *self, Vector2 b, Vector2 t, Vector2 u, PetscReal angle,
+                                PetscReal taken) {
+  const PetscReal r = self->wall->number[0], side = Cross2(t, u) > 0 ? 1 : -1,
                   axis = taken / PetscTanReal(angle / 2);
-  PetscReal c[2], one[2] = {side * t[1], -side * t[0]}, other[2] = {side * u[1], -side * u[0]};
+  const Vector2 one = Times2(-side, Left2(t)), other = Times2(-side, Left2(u)),
+                c = Along2(Along2(b, -taken, t), -axis, one);
 
   PetscFunctionBegin;
   UserCheck(axis > r, OptionsComm(),
             "-wall_file %s, line %d: the path turns more sharply than a conduit of this radius "
             "can: put its points farther apart, make it narrower, or its bends wider",
             self->file, self->line);
-  for (int d = 0; d < 2; d++) c[d] = b[d] - taken * t[d] - axis * one[d];
   (void)AddArc(self->wall, c, axis + r, -1, one, other);
   (void)AddArc(self->wall, c, axis - r, 1, one, other);
   PetscFunctionReturn(0);
@@ -380,26 +332,23 @@ static PetscErrorCode MakePath(Maker *self) {
   Wall *wall = self->wall;
   const PetscInt n = (wall->numbers - 1) / 2;
   const PetscReal r = wall->number[0];
-  PetscReal a[2], b[2], c[2], t[2], u[2], start[2], length, next, taken = 0, leaves;
+  PetscReal taken = 0, leaves;
 
   PetscFunctionBegin;
   UserCheck(r > self->radius, OptionsComm(),
             "-wall_file %s, line %d: the conduit is narrower than the rod (-contact_diameter)",
             self->file, self->line);
-  PlaceOf(self, 1, a);
   for (PetscInt k = 0; k + 1 < n; k++, taken = leaves) {
-    PlaceOf(self, 1 + 2 * k, a);
-    PlaceOf(self, 3 + 2 * k, b);
-    length = Direction(a, b, t);
+    const Vector2 a = PlaceOf(self, 1 + 2 * k), b = PlaceOf(self, 3 + 2 * k);
+    Vector2 t, u;
+    const PetscReal length = Direction(a, b, &t);
     UserCheck(length > 0, OptionsComm(), "-wall_file %s, line %d: two of its points are the same",
               self->file, self->line);
     leaves = 0;
-    if (!k) AddMouth(wall, a, (PetscReal[2]){-t[0], -t[1]});
+    if (!k) AddMouth(wall, a, Times2(-1, t));
     if (k + 2 < n) {
-      PetscReal angle;
-      PlaceOf(self, 5 + 2 * k, c);
-      next = Direction(b, c, u);
-      angle = PetscAbsReal(PetscAtan2Real(Cross(t, u), Dot(t, u)));
+      const PetscReal next = Direction(b, PlaceOf(self, 5 + 2 * k), &u),
+                      angle = PetscAbsReal(PetscAtan2Real(Cross2(t, u), Dot2(t, u)));
       if (angle > 1e-9 && next > 0) {
         leaves = Rounding(wall, angle, length, next);
         PetscCall(AddCorner(self, b, t, u, angle, leaves));
@@ -410,9 +359,8 @@ static PetscErrorCode MakePath(Maker *self) {
               "-wall_file %s, line %d: bends of this radius do not fit between points %d and %d of "
               "the path: put them farther apart, or give a smaller radius",
               self->file, self->line, (int)k + 1, (int)k + 2);
-    for (int d = 0; d < 2; d++) start[d] = a[d] + taken * t[d];
     for (int side = -1; side <= 1; side += 2)
-      (void)AddLine(wall, start, t, length - taken - leaves, side, r);
+      (void)AddLine(wall, Along2(a, taken, t), t, length - taken - leaves, side, r);
   }
   PetscFunctionReturn(0);
 }
@@ -657,7 +605,7 @@ static PetscErrorCode FindPosts(Walls *walls, PetscReal radius) {
       walls->smallest =
           walls->smallest > 0 ? PetscMin(walls->smallest, p->r + radius) : p->r + radius;
       if (p->at_mouth) continue; /* it is a part of a circle only, and as wide as the conduit */
-      for (int d = 0; d < 2; d++) post->at[d] = p->at[d];
+      post->at = p->at;
       post->r = p->r;
       post->wall = w;
       walls->posts++;
@@ -689,7 +637,7 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
   OptionsAtLine(0);
   PetscCall(PetscFree(text));
   PetscCall(error);
-  for (int k = 0; k < 2; k++) walls->turn[k] = self.turn[k];
+  walls->turn = self.turn;
   for (PetscInt w = 0; w < walls->n; w++)
     if (walls->wall[w].friction > 0) walls->rub = PETSC_TRUE;
   PetscCall(FindPosts(walls, radius));

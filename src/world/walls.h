@@ -7,6 +7,7 @@
 
 #include "base/options.h"
 #include "base/blocks.h"
+#include "base/plane.h"
 #include "base/squares.h"
 #include "world/surfaces.h"
 
@@ -16,14 +17,15 @@ extern const char *const wall_kind[WALL_KINDS];
 /* A piece of a wall: a line, of which one side is free, or an arc, free outside or inside. */
 typedef struct {
   PetscBool round;
-  PetscReal at[2];      /* a point of the line; the centre of the arc */
-  PetscReal t[2], n[2]; /* line: along it, and into the free side */
-  PetscReal from, to;   /* line: where along t it presses */
-  PetscReal edge;       /* of a polygon: how long it is from `at` on, whatever of it presses */
-  PetscReal r, sign;    /* arc: radius; 1 free outside, -1 inside */
-  PetscReal middle[2], reach; /* arc: its middle direction and the cosine of half its angle */
-  PetscReal deep;             /* not met by what is deeper behind it than this */
-  PetscReal mouth[2];         /* arc at the mouth of a conduit: where the axis ends */
+  Vector2 at;         /* a point of the line; the centre of the arc */
+  Vector2 t, n;       /* line: along it, and into the free side */
+  PetscReal from, to; /* line: where along t it presses */
+  PetscReal edge;     /* of a polygon: how long it is from `at` on, whatever of it presses */
+  PetscReal r, sign;  /* arc: radius; 1 free outside, -1 inside */
+  Vector2 middle;     /* arc: its middle direction, */
+  PetscReal reach;    /* ... and the cosine of half its angle */
+  PetscReal deep;     /* not met by what is deeper behind it than this */
+  Vector2 mouth;      /* arc at the mouth of a conduit: where the axis ends */
   PetscBool at_mouth;
 } WallPiece;
 
@@ -47,7 +49,8 @@ typedef struct {
 /* What stands out of a wall and is round, of radius r, or sharp, r = 0: all of the circle is behind
    the surface. It may be narrower than a cell of the rod (rod/feet.h). */
 typedef struct {
-  PetscReal at[2], r;
+  Vector2 at;
+  PetscReal r;
   PetscInt wall;
 } WallPost;
 
@@ -64,7 +67,7 @@ typedef struct {
   PetscBool move;          /* any does */
   PetscBool carried;       /* ... from the start, as its line says */
   PetscReal time;          /* at which they are looked at */
-  PetscReal turn[2];       /* of the clamp: cosine and sine of its angle */
+  Vector2 turn;            /* of the clamp: cosine and sine of its angle */
   PetscReal smallest;      /* of what the rod is outside of, the least radius; 0: there is none */
   PetscInt posts, resting; /* those of walls that move are behind the others */
   WallPost *post;
@@ -78,13 +81,13 @@ typedef struct {
 /* A surface near a point: its distance less the rod's radius; the normal, towards the rod; the
    curvature of the lines of equal distance, dn = bend t (t.dx), t across n. */
 typedef struct {
-  PetscReal gap, normal[2], bend;
-  PetscReal v[2]; /* the velocity of the wall */
+  PetscReal gap, bend;
+  Vector2 normal, v; /* v: velocity of the wall */
   PetscInt wall, piece;
   PetscBool again; /* another piece of the wall before it */
-} Touch;
+} WallTouch;
 
-enum { MOST_TOUCHES = 32 }; /* at one place */
+enum { MOST_WALL_TOUCHES = 32 }; /* at one place */
 
 PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
                          PetscReal clamp_angle, Walls *walls, Surfaces *surfaces);
@@ -95,11 +98,11 @@ PetscErrorCode WallsRefuseSpace(const Walls *walls);
 /* walls_move.c */
 PetscErrorCode WallsLeadTo(Walls *walls, PetscInt wall, PetscReal t, PetscReal by,
                            const PetscReal x[3]);
-void WallsDisplacement(const Walls *walls, const PetscReal lab[3], PetscReal x[2]);
-void WallShift(const Walls *walls, PetscInt wall, PetscReal t, PetscReal shift[2]);
-void WallVelocity(const Walls *walls, PetscInt wall, PetscReal velocity[2]);
-void WallsCarried(const Walls *walls, PetscInt wall, PetscReal from, PetscReal by[2]);
-void WallsPostAt(const Walls *walls, PetscInt post, PetscReal at[2]);
+Vector2 WallsDisplacement(const Walls *walls, const PetscReal lab[3]);
+Vector2 WallShift(const Walls *walls, PetscInt wall, PetscReal t);
+Vector2 WallVelocity(const Walls *walls, PetscInt wall);
+Vector2 WallsCarried(const Walls *walls, PetscInt wall, PetscReal from);
+Vector2 WallsPostAt(const Walls *walls, PetscInt post);
 void WallsPostsNear(const Walls *walls, const Block *place, PetscReal reach, BlocksMeet meet,
                     void *ctx);
 PetscBool WallsJerk(const Walls *walls, PetscReal t0, PetscReal t1);
@@ -108,16 +111,19 @@ PetscReal WallsNextTurn(const Walls *walls, PetscReal t);
 /* touch.c */
 PetscErrorCode WallsIndex(Walls *walls);
 PetscErrorCode WallsDropIndex(Walls *walls);
-PetscBool WallPieceDistance(const WallPiece *piece, const PetscReal x[2], PetscReal *distance,
-                            PetscReal normal[2], PetscReal *bend);
-PetscInt WallsTouch(const Walls *walls, const PetscReal x[2], PetscReal radius, PetscReal within,
-                    Touch touch[MOST_TOUCHES]);
-PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[2], PetscReal radius,
+WallPiece WallPieceLine(Vector2 at, Vector2 t, PetscReal side);
+WallPiece WallPieceCircle(Vector2 at, PetscReal r, PetscReal sign);
+WallPiece WallPieceArc(Vector2 at, PetscReal r, PetscReal sign, Vector2 one, Vector2 other);
+PetscBool WallPieceDistance(const WallPiece *piece, Vector2 x, PetscReal *distance, Vector2 *normal,
+                            PetscReal *bend);
+PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, PetscReal within,
+                    WallTouch touch[MOST_WALL_TOUCHES]);
+PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[3], PetscReal radius,
                          PetscReal within);
-PetscReal WallsGap(const Walls *walls, const PetscReal x[2], PetscReal radius);
-PetscReal WallGapShifted(const Walls *walls, PetscInt wall, const PetscReal shift[2],
-                         const PetscReal x[2], PetscReal radius);
-PetscInt WallsBehind(const Walls *walls, const PetscReal x[2]);
-PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[2]);
+PetscReal WallsGap(const Walls *walls, const PetscReal x[3], PetscReal radius);
+PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const PetscReal x[3],
+                         PetscReal radius);
+PetscInt WallsBehind(const Walls *walls, const PetscReal x[3]);
+PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[3]);
 
 #endif

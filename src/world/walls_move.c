@@ -2,36 +2,31 @@
 #include "base/extremes.h"
 
 /* WallsDisplacement - one along the axes of the laboratory, in the clamp's frame. */
-void WallsDisplacement(const Walls *walls, const PetscReal lab[3], PetscReal x[2]) {
-  const PetscReal c = walls->turn[0], s = walls->turn[1];
+Vector2 WallsDisplacement(const Walls *walls, const PetscReal lab[3]) {
+  const Vector2 a = From2(lab);
 
-  x[0] = c * lab[0] + s * lab[1];
-  x[1] = -s * lab[0] + c * lab[1];
+  return (Vector2){Dot2(walls->turn, a), Cross2(walls->turn, a)};
 }
 
 /* WallShift - how far a wall has been carried along since t = 0, in the clamp's frame. */
-void WallShift(const Walls *walls, PetscInt wall, PetscReal t, PetscReal shift[2]) {
+Vector2 WallShift(const Walls *walls, PetscInt wall, PetscReal t) {
   PetscReal lab[3];
 
   MotionShift(&walls->wall[wall].motion, t, lab);
-  WallsDisplacement(walls, lab, shift);
+  return WallsDisplacement(walls, lab);
 }
 
 /* WallVelocity - how fast a wall is carried along, at the time at which walls are looked at. */
-void WallVelocity(const Walls *walls, PetscInt wall, PetscReal velocity[2]) {
+Vector2 WallVelocity(const Walls *walls, PetscInt wall) {
   PetscReal lab[3];
 
   MotionVelocity(&walls->wall[wall].motion, walls->time, lab);
-  WallsDisplacement(walls, lab, velocity);
+  return WallsDisplacement(walls, lab);
 }
 
 /* WallsCarried - how far a wall has been carried along since another time. */
-void WallsCarried(const Walls *walls, PetscInt wall, PetscReal from, PetscReal by[2]) {
-  PetscReal then[2];
-
-  WallShift(walls, wall, walls->time, by);
-  WallShift(walls, wall, from, then);
-  for (int d = 0; d < 2; d++) by[d] -= then[d];
+Vector2 WallsCarried(const Walls *walls, PetscInt wall, PetscReal from) {
+  return Minus2(WallShift(walls, wall, walls->time), WallShift(walls, wall, from));
 }
 
 /*
@@ -48,12 +43,11 @@ PetscErrorCode WallsLeadTo(Walls *walls, PetscInt wall, PetscReal t, PetscReal b
 }
 
 /* WallsPostAt - where a post is. */
-void WallsPostAt(const Walls *walls, PetscInt post, PetscReal at[2]) {
+Vector2 WallsPostAt(const Walls *walls, PetscInt post) {
   const WallPost *self = &walls->post[post];
 
-  for (int d = 0; d < 2; d++) at[d] = 0;
-  if (post >= walls->resting) WallShift(walls, self->wall, walls->time, at);
-  for (int d = 0; d < 2; d++) at[d] += self->at[d];
+  return post < walls->resting ? self->at
+                               : Plus2(WallShift(walls, self->wall, walls->time), self->at);
 }
 
 /* WallsPostsNear - tells of posts nearer than `reach` to a place, and of all that move; see

@@ -20,7 +20,7 @@ static PetscReal FeetOf(const char *options) {
   CHECK(RodInitialNodes(rod, t, nodes));
   for (PetscInt i = rod->first; i + 1 < rod->end; i++) {
     const Node *node = nodes + i - rod->first;
-    const FeetHeld none = {.first = NULL};
+    const FeetHeld none = NULL;
     FootCell cell = {.dims = 2, .curve = {.h = scene->mesh.s[i + 1] - scene->mesh.s[i]}};
     Feet feet;
     cell.first = (PetscBool)(i == 0);
@@ -259,13 +259,14 @@ static void TestShortRod(void **state) {
 /* Energy and force of the walls at a place; within: how near they are seen. */
 static PetscReal WallField(const Walls *walls, const PetscReal x[2], PetscReal f[2]) {
   const PetscReal within = 0.05;
-  Touch touch[MOST_TOUCHES];
-  PetscInt n = WallsTouch(walls, x, 0.1, within, touch);
+  WallTouch touch[MOST_WALL_TOUCHES];
+  const PetscReal place[3] = {x[0], x[1], 0};
+  PetscInt n = WallsTouch(walls, place, 0.1, within, touch);
   PetscReal sum = 0;
   f[0] = f[1] = 0;
   for (PetscInt k = 0; k < n; k++) {
     sum += PetscSqr(within - touch[k].gap) / 2;
-    for (int d = 0; d < 2; d++) f[d] += (within - touch[k].gap) * touch[k].normal[d];
+    Put2(Along2(From2(f), within - touch[k].gap, touch[k].normal), f);
   }
   return sum;
 }

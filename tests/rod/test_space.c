@@ -103,7 +103,7 @@ static PetscReal Pressed(Rod rod, Vec U) {
   PetscReal most = 0, slope;
   CHECK(VecGetArrayRead(U, &u));
   for (PetscInt i = rod->first; i < rod->end; i++) {
-    const PetscReal gap = ContactGap3(contact, u + FIELDS * (i - rod->first), 9);
+    const PetscReal gap = ContactGap(3, contact, u + FIELDS * (i - rod->first), 9);
     most = PetscMax(most, ContactPressure(contact, gap, &slope));
   }
   CHECK(VecRestoreArrayRead(U, &u));
@@ -294,7 +294,7 @@ static void TestFootJacobians(void **state) {
 static void TestFoot(void **state) {
   const PetscReal phi = 0.5, r = 0.001, half = 0.01, mu = 0.4, deep = 2e-5, at = 0.043, h = 0.1,
                   spin = 60, weight[] = {1. / 6, 4. / 6, 1. / 6};
-  const FeetHeld none = {.slots = NULL};
+  const FeetHeld none = NULL;
   const FootCell cell = {
       .dims = 3,
       .curve = {.h = h, .g = {1, 1}, .x = {{0}, {h}}, .q = {{1}, {1}}, .c = {1, 1, 1}},

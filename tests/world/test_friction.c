@@ -28,8 +28,8 @@ static void TestLaw(void **state) {
 
 /* The dual that belongs to v. */
 static void Settle(const Friction *law, const PetscReal v[2], FrictionDual *dual) {
-  FrictionDualReset(law, v, dual);
-  FrictionDualAdvance(law, v, dual);
+  FrictionFollow(2, law, v, PETSC_TRUE, dual);
+  FrictionFollow(2, law, v, PETSC_FALSE, dual);
 }
 
 /* A law of one's own that is none of the built-in ones. */
@@ -49,12 +49,12 @@ static void TestPrimalSlope(void **state) {
     for (int p = 0; p < (l < 2 ? 4 : 2); p++) {
       Friction law = Create(l < 2 ? laws[l] : "-friction_mu 0");
       const PetscReal *v = points[p], w[2] = {0.7, 0.4}, size = hypot(v[0], v[1]);
-      PetscReal f[2], slope[2][2], error[2];
+      PetscReal f[2], slope[RUBS][RUBS], error[2];
       FrictionDual dual = {0};
       if (l == 2) law.own = &own;
       Force(&law, v, f);
-      FrictionDualReset(&law, v, &dual);
-      FrictionLinearise(&law, v, &dual, slope);
+      FrictionFollow(2, &law, v, PETSC_TRUE, &dual);
+      FrictionSlope(2, &law, v, &dual, slope);
       for (int k = 0; k < 2; k++) {
         PetscReal e = 1e-3 * size / (1 << k), moved[2] = {v[0] + e * w[0], v[1] + e * w[1]}, fm[2];
         Force(&law, moved, fm);
@@ -70,17 +70,17 @@ static void TestPrimalSlope(void **state) {
 static void TestDualAfterReset(void **state) {
   Friction primal = Create("-friction_newton primal -friction_mu 0.8"), dual_law = primal;
   const PetscReal v[2] = {0.02, -0.5}, before[2] = {0.05, -0.48}, away[2] = {0.5, 0.1};
-  PetscReal a[2][2], b[2][2];
+  PetscReal a[RUBS][RUBS], b[RUBS][RUBS];
   FrictionDual dual = {0};
   dual_law.newton = NEWTON_PRIMAL_DUAL;
   Settle(&dual_law, before, &dual);
-  FrictionDualReset(&dual_law, v, &dual);
-  FrictionLinearise(&primal, v, &dual, a);
-  FrictionLinearise(&dual_law, v, &dual, b);
+  FrictionFollow(2, &dual_law, v, PETSC_TRUE, &dual);
+  FrictionSlope(2, &primal, v, &dual, a);
+  FrictionSlope(2, &dual_law, v, &dual, b);
   for (int i = 0; i < 4; i++)
     EXPECT(PetscAbsReal(a[i / 2][i % 2] - b[i / 2][i % 2]) < 1e-13, "entry %d: %g, %g", i,
            a[i / 2][i % 2], b[i / 2][i % 2]);
-  FrictionDualReset(&dual_law, away, &dual);
+  FrictionFollow(2, &dual_law, away, PETSC_TRUE, &dual);
   EXPECT(hypot(dual.w[0] - 0.02 / 0.5014, dual.w[1] + 0.5 / 0.5014) < 2e-3,
          "the dual (%g, %g) was thrown away", dual.w[0], dual.w[1]);
   EXPECT(dual.v[0] == away[0] && dual.v[1] == away[1], "the point is not the new one");
@@ -95,13 +95,13 @@ static void TestDualFollows(void **state) {
   Settle(&law, v, &dual);
   dual.w[0] = -0.9;
   dual.w[1] = 0.1;
-  FrictionDualAdvance(&law, v, &dual);
+  FrictionFollow(2, &law, v, PETSC_FALSE, &dual);
   EXPECT(hypot(dual.w[0] - v[0] / r, dual.w[1] - v[1] / r) < 1e-15, "dual (%g, %g)", dual.w[0],
          dual.w[1]);
   for (int k = 0; k < 2; k++) {
     PetscReal e = 1e-4 / (1 << k), moved[2] = {v[0] + e * w[0], v[1] + e * w[1]};
     Settle(&law, v, &dual);
-    FrictionDualAdvance(&law, moved, &dual);
+    FrictionFollow(2, &law, moved, PETSC_FALSE, &dual);
     EXPECT(dual.v[0] == moved[0] && dual.v[1] == moved[1], "the point is not the new one");
     r = PetscSqrtReal(moved[0] * moved[0] + moved[1] * moved[1] + 0.05);
     error[k] = hypot(dual.w[0] - moved[0] / r, dual.w[1] - moved[1] / r);
@@ -119,7 +119,7 @@ static void TestDualStaysInDisc(void **state) {
     PetscReal size = PetscPowReal(10, 4 * Scatter(2, k)), v[2];
     v[0] = size * Scatter(0, k);
     v[1] = size * Scatter(1, k);
-    FrictionDualAdvance(&law, v, &dual);
+    FrictionFollow(2, &law, v, PETSC_FALSE, &dual);
     most = PetscMax(most, hypot(dual.w[0], dual.w[1]));
   }
   EXPECT(most <= 1 + 1e-14 && most > 0.999, "largest dual %.17g", most);

@@ -4,7 +4,7 @@
 #include "harness.h"
 #include "base/vectors.h"
 #include "world/body.h"
-#include "world/contact_space.h"
+#include "world/contact_push.h"
 #include "world/tube.h"
 
 enum { FOUR = 4 };
@@ -347,10 +347,10 @@ static void MakeEdge(Contact *contact) {
 
 /* The force on a point of the rod there, its couple last. */
 static PetscReal PushAt(const Contact *contact, const Rubbed *at, PetscReal f[4]) {
-  Touch3 touch[MOST_TOUCHES3];
-  Push3 push;
-  EXPECT(ContactTouches3(contact, at->x, touch) == 1, "no touch");
-  ContactPush3(contact, touch, at, NULL, &push);
+  Touch touch[MOST_TOUCHES];
+  Push push;
+  EXPECT(ContactTouches(3, contact, at->x, touch) == 1, "no touch");
+  ContactPush(3, contact, touch, at, NULL, &push);
   for (int d = 0; d < 3; d++) f[d] = push.force[d];
   f[3] = push.couple;
   return push.normal;
@@ -362,10 +362,10 @@ static PetscReal SlopesAt(const Contact *contact, const Rubbed *at, PetscReal x[
                           PetscReal v[3]) {
   const PetscReal e = 1e-6;
   PetscReal *const moved[2] = {x, v}, f[2][4];
-  Touch3 touch[MOST_TOUCHES3];
-  Push3 push;
-  (void)ContactTouches3(contact, x, touch);
-  ContactPushSlope3(contact, touch, at, PETSC_TRUE, NULL, &push);
+  Touch touch[MOST_TOUCHES];
+  Push push;
+  (void)ContactTouches(3, contact, x, touch);
+  ContactPushSlope(3, contact, touch, at, PETSC_TRUE, NULL, &push);
   for (int by = 0; by < 2; by++)
     for (int c = 0; c < 3; c++) {
       const PetscReal was = moved[by][c];

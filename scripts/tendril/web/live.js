@@ -99,7 +99,7 @@ function mount(root, connection) {
 
   function hearFrame(m) {
     if (!S.scene || !S.names || m.branch !== S.branch) return;
-    S.rows.push(...m.rows);
+    for (let numbers = doubles(m.rows), n = S.names.length, i = 0; i < numbers.length; i += n) S.rows.push(Array.from(numbers.subarray(i, i + n)));
     if (S.rows.length > 9000) S.rows = S.rows.filter((_, i) => i % 2 === 0 || i > S.rows.length - 1000);
     S.frames.push([m.t, m.frame]);
     if (S.frames.length > 700) S.frames = S.frames.filter((_, i) => i % 2 === 0);

@@ -292,7 +292,7 @@ def walls_that_move_as_given_in_time_are_where_they_should_be():
 @check
 def a_lifted_table_has_the_rod_at_the_height_of_its_rows():
     """A heavy rod on a table that is lifted, rests, and comes down: where it lies it is at the height that the rows say, on
-    their monotone cubic (scipy's), at rest to the bit."""
+    their monotone cubic (scipy's), to the tolerance, which contact eases tenfold; at rest to the bit."""
     from scipy.interpolate import PchipInterpolator
 
     rows = np.array([(0.5, 0.0), (0.8, 0.03), (1.0, 0.04), (1.5, 0.04), (2.0, 0.01), (2.2, 0.02)])
@@ -304,7 +304,7 @@ def a_lifted_table_has_the_rod_at_the_height_of_its_rows():
     lies = r.shapes["x"][5:, :, 2]
     off = np.abs(lies - lies[0] - height[5:, None]).max()
     print(f"{r.steps} steps, {height.max():.3f} high, off by {off:.1e}")
-    expect(off < 2e-6, f"off by {off}")
+    expect(off < 1e-5, f"off by {off}")
 
 
 @check

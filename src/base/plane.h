@@ -1,0 +1,65 @@
+/* Vectors of a plane, by value. */
+#ifndef TENDRIL_PLANE_H
+#define TENDRIL_PLANE_H
+
+#include <petscsys.h>
+
+typedef struct {
+  PetscReal x, y;
+} Vector2;
+
+/* The first two of an array, and back. */
+static inline Vector2 From2(const PetscReal a[]) {
+  return (Vector2){a[0], a[1]};
+}
+
+static inline void Put2(Vector2 a, PetscReal to[]) {
+  to[0] = a.x;
+  to[1] = a.y;
+}
+
+static inline void Add2(Vector2 a, PetscReal to[]) {
+  to[0] += a.x;
+  to[1] += a.y;
+}
+
+static inline Vector2 Plus2(Vector2 a, Vector2 b) {
+  return (Vector2){a.x + b.x, a.y + b.y};
+}
+
+static inline Vector2 Minus2(Vector2 a, Vector2 b) {
+  return (Vector2){a.x - b.x, a.y - b.y};
+}
+
+static inline Vector2 Times2(PetscReal s, Vector2 a) {
+  return (Vector2){s * a.x, s * a.y};
+}
+
+static inline Vector2 Over2(Vector2 a, PetscReal s) {
+  return (Vector2){a.x / s, a.y / s};
+}
+
+/* a + s b */
+static inline Vector2 Along2(Vector2 a, PetscReal s, Vector2 b) {
+  return (Vector2){a.x + s * b.x, a.y + s * b.y};
+}
+
+/* turned to the left by a quarter */
+static inline Vector2 Left2(Vector2 a) {
+  return (Vector2){-a.y, a.x};
+}
+
+static inline PetscReal Dot2(Vector2 a, Vector2 b) {
+  return a.x * b.x + a.y * b.y;
+}
+
+/* positive where b is to the left of a */
+static inline PetscReal Cross2(Vector2 a, Vector2 b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+static inline PetscReal Size2(Vector2 a) {
+  return hypot(a.x, a.y);
+}
+
+#endif
