@@ -257,20 +257,33 @@ static PetscErrorCode Solve(Estimate self, PetscReal *e) {
   PetscFunctionReturn(0);
 }
 
+/* The fastest rate of any field, as a speed: what turns does so in the scene's unit of length, for
+   an angle has none of its own. */
+static PetscReal Fastest(const Estimate self, const PetscReal *rate) {
+  const PetscInt fields = self->fields;
+  PetscReal fastest = 0;
+
+  for (PetscInt f = 0; f < fields; f++) {
+    const PetscReal per = RodFieldUnit(self->rod, 0) / RodFieldUnit(self->rod, f);
+    for (PetscInt i = f; i < self->nodes * fields; i += fields)
+      fastest = PetscMax(fastest, PetscAbsReal(rate[i]) * per);
+  }
+  return fastest;
+}
+
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
 static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
   const PetscReal beta = RodCoarseGet(self->rod, COARSE_BETA);
   const PetscInt n = self->nodes * self->fields;
   const PetscScalar *F, *G;
-  PetscReal *rate, most = 0, fastest = 0, scale;
+  const PetscReal most = Fastest(self, self->b);
+  PetscReal *rate, fastest = 0, scale;
 
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(self->rhs, n));
-  for (PetscInt i = 0; i < n; i++) most = PetscMax(most, PetscAbsReal(self->b[i]));
   if (most <= rod_rule.vanished) PetscFunctionReturn(0);
-  if (RodIsViscous(self->rod))
-    for (PetscInt i = 0; i < n; i++) fastest = PetscMax(fastest, PetscAbsReal(self->all.rate[i]));
+  if (RodIsViscous(self->rod)) fastest = Fastest(self, self->all.rate);
   scale = step_rule.derivative_step *
           PetscMax(fastest, PetscSqrtReal(beta > 0 ? beta : friction_tiny)) / most;
   PetscCall(VecCopy(self->rate, self->nudged));

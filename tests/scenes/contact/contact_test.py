@@ -1191,21 +1191,27 @@ def a_cable_over_edges_of_a_duct_is_not_followed_in_each_jerk():
 @check
 def a_heavy_rod_on_a_floor_is_not_jammed():
     """A heavy rod on a floor is not jammed, and it is the rod it is in other units: forces that press are what its weight makes,
-    and contact follows from them."""
-    def options(c, weight):
-        return (f"-growth_type feed -growth_initial_length {c!r} -contact_diameter {0.02 * c!r} -friction_mu 0.5 -rod_cells 100 "
-                f"-shape_type straight -friction_layers 0:{1 / c**3!r} -rod_weight 0,{-weight / c**3!r} -ts_max_time {0.1 * c!r} "
-                + walls(f"plane 0 {-0.15 * c!r} 0 1 friction 0.3"))
-    runs = []
-    for c in (1., 64., 2**-10):  # powers of 2: but for round-off of roots, the same to the last digit
-        r = Run(options(c, 1e5))
-        runs.append((r.steps, r.newton_iterations.sum(), r.tip / c, r.penetration.max() / c))
-        print(f"lengths times {c:.3g}: {r.steps} steps, {r.newton_iterations.sum():.0f} Newton, tip {r.tip / c}, deep {r.penetration.max() / c:.2e}")
-        expect("jammed" not in r.said and r.t[-1] > 0.0999 * c, r.said[-300:])
-        expect(0 < r.penetration.max() < 0.005 * 0.02 * c, f"pressed in by {r.penetration.max() / c}")
-    for steps, newton, at, _ in runs[1:]:
-        expect(abs(steps - runs[0][0]) <= max(3, 0.05 * runs[0][0]), f"{steps} and {runs[0][0]} steps")
-        expect(np.abs(at - runs[0][2]).max() < 1e-4, f"tip {at}, {runs[0][2]}")
+    and contact follows from them. Its steps chatter where it lands: numbers off by 3e-14 change their number by up to 3 %, so the
+    means of four are compared (where rates of angles and places were taken for one number they were 8 % fewer in small units)."""
+    def options(c, weight, off):
+        o = c * (1 + off)
+        return (f"-growth_type feed -growth_initial_length {o!r} -contact_diameter {0.02 * o!r} -friction_mu 0.5 -rod_cells 100 "
+                f"-shape_type straight -friction_layers 0:{1 / c**3!r} -rod_weight 0,{-weight / c**3!r} -ts_max_time {0.1 * o!r} "
+                + walls(f"plane 0 {-0.15 * o!r} 0 1 friction 0.3"))
+    means = []
+    for c in (1., 64., 2**-10):
+        runs = []
+        for k in range(4):
+            r = Run(options(c, 1e5, k * 3e-14))
+            runs.append((r.steps, *(r.tip / c)))
+            print(f"lengths times {c:.3g}: {r.steps} steps, {r.newton_iterations.sum():.0f} Newton, tip {r.tip / c}, deep {r.penetration.max() / c:.2e}")
+            expect("jammed" not in r.said and r.t[-1] > 0.0999 * c, r.said[-300:])
+            expect(0 < r.penetration.max() < 0.005 * 0.02 * c, f"pressed in by {r.penetration.max() / c}")
+        means.append(np.mean(runs, axis=0))
+        expect(np.ptp(np.array(runs)[:, 1:], axis=0).max() < 1e-4, f"tips {runs}")
+    for mean in means[1:]:
+        expect(abs(mean[0] - means[0][0]) <= 0.03 * means[0][0], f"{mean[0]} and {means[0][0]} steps")
+        expect(np.abs(mean[1:] - means[0][1:]).max() < 1e-4, f"tip {mean[1:]}, {means[0][1:]}")
 
 
 @check
