@@ -223,8 +223,9 @@ class Sweep:
             return self.rows(self.series, name, first, count)
 
         def has(name):
-            """Errors are followed in the models frame and space alone; and series that another run has may be none of this one."""
-            return not (name in self.final and np.isnan(self.final[name][k]))
+            """Errors are followed in the models frame and space alone; and series that another run has may be none of this one.
+            Of one that failed nothing is known."""
+            return np.isnan(self.final["t"][k]) or not (name in self.final and np.isnan(self.final[name][k]))
 
         return Lazy((n for n in self.series if n not in OF_A_MEMBER and has(n)), read)
 

@@ -272,10 +272,7 @@ PetscErrorCode OutputContinue(const char *path, const char *from, Scene scene, P
 PetscErrorCode OutputSeries(Output self, const Observation *seen) {
   PetscFunctionBegin;
   if (!self->mine && !self->series_kept) PetscFunctionReturn(0);
-  if (self->series_kept)
-    PetscCall(OutputRoom(self, self->series_n + 1));
-  else
-    PetscCall(Room(self->series_n, &self->series_room, OBSERVED, &self->series));
+  PetscCall(OutputRoom(self, self->series_n + 1));
   self->series[self->series_n++] = *seen;
   self->waits += sizeof(*seen);
   PetscFunctionReturn(0);
@@ -379,7 +376,6 @@ PetscErrorCode OutputDestroy(Output *output) {
   if (!*output) PetscFunctionReturn(0);
   if ((*output)->mine) PetscCall(LockGive((*output)->path));
   for (int i = 0; i < MOST_SHAPE_SETS; i++) PetscCall(PetscFree((*output)->shape[i]));
-  if (!(*output)->series_kept) PetscCall(PetscFree((*output)->series));
   SpillFree(&(*output)->kept);
   PetscCall(PetscFree((*output)->times));
   PetscCall(PetscFree((*output)->earlier));

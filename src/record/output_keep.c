@@ -12,8 +12,8 @@ PetscErrorCode OutputKeep(Output self, PetscBool series, PetscBool shapes) {
   PetscFunctionReturn(0);
 }
 
-/* OutputRoom - room for so many rows of the series that are kept; the earlier ones may leave memory
-   for the disk. */
+/* OutputRoom - room for so many rows of the series; where they are many, the earlier ones may leave
+   memory for the disk. */
 PetscErrorCode OutputRoom(Output self, PetscInt n) {
   enum { FEWEST = 64, OFTEN = 4096 };
   const size_t row = sizeof(*self->series);

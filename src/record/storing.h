@@ -25,7 +25,7 @@ struct _Output {
   PetscInt cut[2];               /* -1, or how many series and shapes of it to keep */
   PetscInt series_n, series_room;
   Observation *series; /* that wait to be stored */
-  Spill kept;          /* where these are, if they are kept */
+  Spill kept;          /* where these are */
   PetscInt shapes_n, shapes_room;
   const ShapeSet *set;               /* the fields of a shape, */
   int sets;                          /* so many */

@@ -174,13 +174,13 @@ def companies(settings, left, size, dice):
         yield row
 
 
-def all_pairs(settings, own, d):
+def all_pairs(settings, own, d, space):
     """What is wrong, of each pair in a few others' company; of those that no company ran with, alone. And the
     pairs that ran, somewhere."""
     left, dice, wrong, good = list(pairs(settings, own)), np.random.default_rng(1), [], set()
     for size in (5, 3, 2):
         rows = list(companies(settings, left, size, dice))
-        faults, ran = sweep(rows, d, "grow")
+        faults, ran = sweep(rows, d, "grow", space)
         wrong += faults
         good.update(*(pairs_of(row) for row, well in zip(rows, ran) if well))
         left = [pair for pair in left if pair not in good]
@@ -255,7 +255,28 @@ def follows_errors(row):
                    for word in said_of(row).split())
 
 
-def sweep(rows, d, task):
+def observables(group):
+    """The series that only some runs have, as src/record/observe.h lists them."""
+    header = (scene.ROOT / "src/record/observe.h").read_text()
+    return set(re.findall(r"X\((\w+), \"", re.search(rf"#define OBSERVABLES_{group}\(X\)(.*?)\n\n?(?=#|/)", header, re.S)[1]))
+
+
+def has(row, space):
+    """Of which series a run must have numbers: whether it has one of this name. In a sweep all have the columns of all."""
+    words = [word.partition("=")[0] for word in said_of(row).split()]
+    none = observables("OF_STEERING")
+    if not space:
+        none |= observables("IN_SPACE")
+    if not any(word.startswith("tropism_") or word == "growth_ironing" for word in words):
+        none |= observables("OF_TROPISM")
+    if "rod_weight" not in words:
+        none |= {name for name in observables("OF_WEIGHT") | observables("IN_SPACE") if name.startswith("weight_")}
+    if not follows_errors(row):
+        none |= {"error_tip", "error_norm_x2", "error_energy"}
+    return lambda name: name not in none
+
+
+def sweep(rows, d, task, space=False):
     """What is wrong, of all rows in one job: (row, line); which of them ran to their end."""
     names = sorted({name for row in rows for name in options_of(row, d)})
     with open(d / "table.csv", "w", newline="") as f:
@@ -279,13 +300,9 @@ def sweep(rows, d, task):
     print(f"{task}: {len(rows)} runs, {counts[0]} ran, {counts[1]} were refused or gave up", flush=True)
     wrong = [(row, fault) for row, status, line in zip(rows, s.status, s.line)
              if status != 1 and (fault := fault_of(row, line))]
+    expected = [has(row, space) for row in rows]
     for name, values in (s.final if task == "grow" else s.critical).items():
-        for k in np.flatnonzero((s.status == 1) & ~np.isfinite(values)):
-            if name.startswith("weight_") and "rod_weight" not in str(rows[k]):
-                continue  # a rod that weighs nothing has none
-            if name.startswith("error_") and not follows_errors(rows[k]):
-                continue
-            wrong.append((rows[k], f"{name} is {values[k]}"))
+        wrong += [(rows[k], f"{name} is {values[k]}") for k in np.flatnonzero((s.status == 1) & ~np.isfinite(values)) if expected[k](name)]
     ended = s.final["t"] >= END if task == "grow" else True
     return wrong, (s.status == 1) & ended
 
@@ -346,8 +363,8 @@ def main():
         write_files(d, BASE_IN_SPACE if choice.space else BASE)
         settings, own = ({**IN_COMPANY, **IN_SPACE}, IN_SPACE) if choice.space else (SETTINGS, SETTINGS)
         single = [{}, *({name: value} for name in own for value in settings[name][1:])]
-        wrong, good = all_pairs(settings, own, d)
-        wrong += sweep(list(covering(settings, choice.rows, choice.seed)), d, "grow")[0]
+        wrong, good = all_pairs(settings, own, d, choice.space)
+        wrong += sweep(list(covering(settings, choice.rows, choice.seed)), d, "grow", choice.space)[0]
         wrong += sweep(single, d, "critical")[0] + list(alone(groups(settings, own, good, 4), d))
     for row, line in wrong:
         line = re.sub(r"\s+", " ", line)

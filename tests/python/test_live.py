@@ -488,6 +488,7 @@ class Watching(unittest.TestCase):
             browser.go(page.address)
             tendril.sweep(None, self.OVER, jobs=1, watch=page, **self.FEW)
             browser.until(f"{study} && {study}.S.ended && {study}.S.done === 6 && {study}.S.failed === 2")
+            browser.drawn()  # messages change S at once, and what is seen in the next frame
             self.assertLessEqual(browser.say("document.documentElement.scrollWidth"), 390)
             self.assertIn("6 of 6 runs, 2 failed", browser.say("document.querySelector('.l-told').textContent"))
             browser.say(f"(() => {{ {study}.S.picked = true; {study}.S.chosen = 5; {study}.draw(); }})()")

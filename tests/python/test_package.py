@@ -435,13 +435,11 @@ class Package(unittest.TestCase):
         if not (node := shutil.which("node")):
             return
         web = ROOT / "scripts/tendril/web"
-        script = (web / "space.js").read_text()
-        parts = [re.search(rf"(?ms)^{start}.*?{end}", script)[0] for start, end in (
-            ("const V = ", ";$"), ("const at = ", ";$"), ("function along", r"^\}$"), ("function carried", r"^\}$"))]
+        scripts = [(web / name).read_text() for name in ("three/three.min.js", "format.js", "drawing.js", "data.js", "space.js")]
+        empty = "globalThis.document = { getElementById: () => ({ textContent: '{\"runs\": [], \"up\": 3}' }) };"  # a page of no run
         motion = {what: numbers.tolist() for what, numbers in surface.motion.items()}
         given = json.dumps({"motion": motion, "positions": surface.vertices.ravel().tolist(), "lines": []})
-        (three,) = (web / "three").glob("*.js")
-        text = three.read_text() + "\n" + "\n".join(parts) + f"\nconsole.log(JSON.stringify(Array.from(carried({given}, {t}).positions)));"
+        text = "\n".join([empty, *scripts, f"console.log(JSON.stringify(Array.from(carried({given}, {t}).positions)));"])
         done = subprocess.run([node, "-"], input=text, text=True, capture_output=True)
         self.assertEqual(done.returncode, 0, done.stderr[-500:])
         np.testing.assert_allclose(np.reshape(json.loads(done.stdout), (-1, 3)), then.vertices, atol=2e-5)

@@ -73,6 +73,10 @@ class Chromium:
             time.sleep(0.05)
         raise AssertionError(f"in {seconds} s it has not become true: {script}; {self.complaints}")
 
+    def drawn(self):
+        """Waits for the page's next frame: what was to be drawn in it is there, however late a busy machine draws."""
+        self.say("new Promise((go) => requestAnimationFrame(go))")
+
     def press(self, key, code=None):
         text = {"text": key} if len(key) == 1 else {}
         self.call("Input.dispatchKeyEvent", type="keyDown", key=key, code=code or key, **text)

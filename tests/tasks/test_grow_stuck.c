@@ -3,6 +3,8 @@
 #include "harness.h"
 #include "tasks/growing.h"
 
+static struct _Growth growth; /* that feels no force */
+
 /* A rod of length 3 that touches, and is pressed by so many times the usual force of 1. */
 static Observation Pressed(PetscReal force) {
   return (Observation){.length = 3, .contacts = 1, .contact_force = force};
@@ -19,7 +21,8 @@ static PetscInt JamsAt(Grow *self, PetscReal step, PetscInt most) {
 
 /* Wedged rods chatter on, and add up to 2e-5 in a thousand steps; others get on, if slowly. */
 static void TestJamGetsNowhere(void **state) {
-  struct _Scene scene = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1}};
+  struct _Scene scene = {.growth = &growth,
+                         .contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1}};
   Grow wedged = {.scene = &scene, .seen = Pressed(20)}, slow = wedged, calm = wedged, off = wedged;
   PetscInt at = JamsAt(&wedged, 2e-8, 3000);
 
@@ -37,8 +40,10 @@ static void TestJamGetsNowhere(void **state) {
 /* Deep in a wall under large forces it is jammed at once; deep in one that is soft it is not. A
    wall that gets firmer lets no force press the rod in so far. */
 static void TestJamDeep(void **state) {
-  struct _Scene thick = {.contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1, .tip = 1e-3}},
-                firm = {.contact = {.any = PETSC_TRUE,
+  struct _Scene thick = {.growth = &growth,
+                         .contact = {.any = PETSC_TRUE, .diameter = 0.1, .force = 1, .tip = 1e-3}},
+                firm = {.growth = &growth,
+                        .contact = {.any = PETSC_TRUE,
                                     .firm = PETSC_TRUE,
                                     .self = PETSC_TRUE,
                                     .diameter = 0.1,
@@ -46,7 +51,7 @@ static void TestJamDeep(void **state) {
                                     .tip = 1e-3,
                                     .stiffness = 1e5,
                                     .smooth = 2e-4}},
-                thin = {.contact = {.any = PETSC_TRUE, .force = 1, .tip = 0.1}};
+                thin = {.growth = &growth, .contact = {.any = PETSC_TRUE, .force = 1, .tip = 0.1}};
   const struct {
     Scene scene;
     PetscReal force, depth;
