@@ -11,9 +11,10 @@ extern const OptionGroup accuracy_options;
 PetscErrorCode AccuracyApply(void);
 PetscErrorCode AccuracyTolerance(void);
 PetscReal AccuracyTimes(int part);
+PetscReal AccuracyBeyond(PetscBool strands, PetscBool front);
 void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
                       PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
-                      PetscBool strands, Errors *error);
+                      PetscReal beyond, Errors *error);
 PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm);
 PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
                                 PetscReal weighed, PetscBool linear, PetscReal *error);

@@ -73,10 +73,14 @@ static PetscReal Beside(const Grow *self) {
   return self->kept.vanished ? error + 1 : error;
 }
 
-/* Do strands of the rod touch each other, in space? */
-static PetscBool Winds(const Grow *self) {
-  return (PetscBool)(self->model == SPACE && self->kept.pressed > 0 &&
-                     RodMeetsItself(self->now->rod));
+/* Do strands of the rod touch each other, in space; has what it learns a front, where it is fed? */
+static PetscReal Beyond(const Grow *self) {
+  const Growth growth = self->scene->growth;
+  const PetscBool strands = (PetscBool)(self->model == SPACE && self->kept.pressed > 0 &&
+                                        RodMeetsItself(self->now->rod)),
+                  front = (PetscBool)(self->scene->tropism.any && growth->even && growth->slides);
+
+  return AccuracyBeyond(strands, front);
 }
 
 /* What the steps leave at least: each field is followed to the tolerance of its own size, and the
@@ -193,10 +197,10 @@ void GrowFollowErrors(Grow *self, const Observation *last, PetscBool jumped) {
   if (happens) self->kept.event_is = happens;
   Least(self, least);
   EstimateLatest(self->estimate, part, NULL);
-  AccuracyMeasured(least, part, Beside(self), Winds(self), &error->end);
+  AccuracyMeasured(least, part, Beside(self), Beyond(self), &error->end);
   LookForSide(self, part, error->end.seen, (PetscBool)happens);
   Latest(self, part, NULL);
-  AccuracyMeasured(least, part, Beside(self), Winds(self), &error->end);
+  AccuracyMeasured(least, part, Beside(self), Beyond(self), &error->end);
   self->seen.error_tip = error->end.seen[ESTIMATE_TIP];
   self->seen.error_norm_x2 = error->end.seen[ESTIMATE_NORM];
   self->seen.error_energy = error->end.seen[ESTIMATE_ENERGY];
@@ -230,7 +234,7 @@ static PetscErrorCode Measure(Grow *self) {
   PetscFunctionBegin;
   Least(self, least);
   PetscCall(EstimateTold(self->estimate, part));
-  AccuracyMeasured(least, part, Beside(self), Winds(self), &error->most);
+  AccuracyMeasured(least, part, Beside(self), Beyond(self), &error->most);
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     const WorstError *worst = &self->kept.worst[k];
     if (worst->error > 0) error->most.seen[k] = worst->error;
@@ -238,7 +242,7 @@ static PetscErrorCode Measure(Grow *self) {
     error->why[k] = (int)worst->why;
   }
   Latest(self, part, change);
-  AccuracyMeasured(least, part, Beside(self), Winds(self), &error->end);
+  AccuracyMeasured(least, part, Beside(self), Beyond(self), &error->end);
   error->most.all = error->end.all = 0;
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     error->most.all = PetscMax(error->most.all, error->most.seen[k]);
@@ -277,7 +281,7 @@ PetscErrorCode GrowErrors(Grow *self) {
   if (load->limit && !self->estimate)
     beside += grow_rule.beta_error * PetscPowReal(load->friction.beta, 1. / 6);
   Least(self, least);
-  AccuracyMeasured(least, worst, beside, Winds(self), &self->error.most);
+  AccuracyMeasured(least, worst, beside, Beyond(self), &self->error.most);
   self->error.most.all = beside;
   for (int k = 0; k < ESTIMATE_PARTS; k++) self->error.most.all += self->error.most.part[k];
   self->error.end = self->error.most;
