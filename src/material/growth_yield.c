@@ -9,6 +9,7 @@
   nodes V is the cubic of its values and slopes.
 */
 #include "base/hermite.h"
+#include "base/knots.h"
 #include "base/lagrange.h"
 #include "material/growth.h"
 #include <string.h>
@@ -49,17 +50,10 @@ PetscReal GrowthYieldInflow(Growth self) {
 
 /* The cell of the nodes in which a label is, and where: z in [0, 1] of its length. */
 static PetscInt CellAt(PetscInt n, const PetscReal s[], PetscReal at, PetscReal *z) {
-  PetscInt low = 0, high = n - 1;
+  const PetscInt k = KnotBefore(n, s, at);
 
-  while (high - low > 1) {
-    const PetscInt middle = (low + high) / 2;
-    if (s[middle] <= at)
-      low = middle;
-    else
-      high = middle;
-  }
-  *z = PetscMin(1, PetscMax(0, (at - s[low]) / (s[low + 1] - s[low])));
-  return low;
+  *z = PetscMin(1, PetscMax(0, (at - s[k]) / (s[k + 1] - s[k])));
+  return k;
 }
 
 /* How fast the material moves at a label, without forces. */
