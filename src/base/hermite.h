@@ -30,4 +30,21 @@ static inline PetscReal HermiteAt(PetscReal z, PetscReal h, PetscReal a, PetscRe
          h * z * y * (y * slope_a - z * slope_b);
 }
 
+/* HermiteRise - the smooth step from 0 at z = 0 to 1 at z = 1, with two derivatives of 0 at both
+   ends. */
+static inline PetscReal HermiteRise(PetscReal z) {
+  return z * z * z * (10 - 15 * z + 6 * z * z);
+}
+
+/* HermiteFall - 1 less that, to the last digit also where that is near 1. */
+static inline PetscReal HermiteFall(PetscReal z) {
+  const PetscReal y = 1 - z;
+  return y * y * y * (1 + 3 * z + 6 * z * z);
+}
+
+/* HermiteRiseSlope - how steep it is: a bell. */
+static inline PetscReal HermiteRiseSlope(PetscReal z) {
+  return 30 * z * z * (1 - z) * (1 - z);
+}
+
 #endif

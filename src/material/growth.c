@@ -1,4 +1,5 @@
 #include "material/growth.h"
+#include "base/hermite.h"
 
 static const OptionRow rows[] = {
     ROW_WORD("-growth_type", "uniform", "uniform,gaussian,feed,apical,table,none", 0,
@@ -114,7 +115,7 @@ static PetscReal ZoneAt(Growth self, PetscReal s, PetscReal t, PetscReal *L_over
 
 /* W, the part of growth that is between a place and the tip. */
 static PetscReal ZoneShare(const Zone *zone, PetscReal z) {
-  return zone->even ? z : z * z * z * (10 - 15 * z + 6 * z * z);
+  return zone->even ? z : HermiteRise(z);
 }
 
 static PetscReal SlideApical(Growth self, PetscReal s, PetscReal t) {
@@ -123,14 +124,14 @@ static PetscReal SlideApical(Growth self, PetscReal s, PetscReal t) {
 }
 
 static PetscReal SpeedApical(Growth self, PetscReal s, PetscReal t) {
-  PetscReal ratio, z = ZoneAt(self, s, t, &ratio), y = 1 - z;
-  return ((Zone *)self->data)->even ? y : y * y * y * (1 + 3 * z + 6 * z * z);
+  PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
+  return ((Zone *)self->data)->even ? 1 - z : HermiteFall(z);
 }
 
 static PetscReal StrainApical(Growth self, PetscReal s, PetscReal t) {
   PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
   if (((Zone *)self->data)->even) return z < 1 ? ratio : 0;
-  return 30 * z * z * (1 - z) * (1 - z) * ratio;
+  return HermiteRiseSlope(z) * ratio;
 }
 
 /* What is laid down keeps its place; while it stretches it takes on that of where it is. */

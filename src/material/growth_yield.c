@@ -40,7 +40,7 @@ PetscReal GrowthYieldWeight(Growth self, PetscReal s, PetscReal length, PetscRea
   if (z >= 1) return 0;
   if (length > self->finest)
     *by_length = 30 * z * y * (2 * (1 - s) * ratio * (1 - 2 * z) + z * y) / self->finest;
-  return 30 * z * z * y * y * ratio;
+  return HermiteRiseSlope(z) * ratio;
 }
 
 /* GrowthYieldInflow - how fast a rod is fed that is not pushed; 0: nothing comes in. */
@@ -59,10 +59,10 @@ static PetscInt CellAt(PetscInt n, const PetscReal s[], PetscReal at, PetscReal 
 /* How fast the material moves at a label, without forces. */
 static PetscReal FreeSpeed(Growth self, PetscReal s, PetscReal length) {
   const Yield *yield = YieldOf(self);
-  const PetscReal z = PetscMin(1, (1 - s) * length / PetscMin(self->finest, length)), y = 1 - z;
+  const PetscReal z = PetscMin(1, (1 - s) * length / PetscMin(self->finest, length));
 
   if (yield->fed) return 1;
-  return yield->zone ? y * y * y * (1 + 3 * z + 6 * z * z) : s;
+  return yield->zone ? HermiteFall(z) : s;
 }
 
 static PetscReal SpeedYield(Growth self, PetscReal s, PetscReal t) {

@@ -2,6 +2,7 @@
 #include "base/band.h"
 #include "base/bspline.h"
 #include "base/hdf.h"
+#include "base/hermite.h"
 #include "base/knots.h"
 #include "base/turns.h"
 
@@ -84,8 +85,8 @@ PetscErrorCode FieldFromLayers(const char *option, const char *text, PetscReal w
 /* The smooth step from 0 to 1 between -1/2 and 1/2 with two derivatives, and its slope. */
 static PetscReal SmoothStep(PetscReal u, PetscReal *slope) {
   PetscReal z = PetscMax(0, PetscMin(1, u + 0.5));
-  *slope = 30 * z * z * (1 - z) * (1 - z);
-  return z * z * z * (10 - 15 * z + 6 * z * z);
+  *slope = HermiteRiseSlope(z);
+  return HermiteRise(z);
 }
 
 static void LayersAt(Field self, PetscReal x1, PetscReal *factor, PetscReal slope[3]) {
