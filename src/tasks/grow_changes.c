@@ -17,7 +17,6 @@ static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value,
   const Node *nodes;
   PetscReal(*x)[3];
   PetscBool room;
-  int free;
 
   PetscFunctionBegin;
   if (strcmp(name, "-wall_at") != 0) PetscFunctionReturn(0);
@@ -28,10 +27,9 @@ static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value,
     for (int d = 0; d < 3; d++)
       x[i][d] = self->scene->space.rod ? nodes[i].x3[d] : d < 2 ? nodes[i].x[d] : 0;
   PetscCall(SceneHasRoom(self->scene, value, t, nodes ? n : 0, (const PetscReal(*)[3])x, &room));
-  free = room;
   PetscCall(PetscFree(x));
-  PetscCallMPI(MPI_Bcast(&free, 1, MPI_INT, 0, self->scene->comm));
-  UserCheck(free, self->scene->comm, "-wall_at %s: the rod is there", value);
+  PetscCallMPI(MPI_Bcast(&room, 1, MPIU_BOOL, 0, self->scene->comm));
+  UserCheck(room, self->scene->comm, "-wall_at %s: the rod is there", value);
   PetscFunctionReturn(0);
 }
 
