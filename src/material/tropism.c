@@ -107,6 +107,11 @@ PetscErrorCode TropismSetFromOptions(Tropism *self, Growth growth) {
   PetscFunctionReturn(0);
 }
 
+/* A vector of the laboratory in the clamp's frame, whose axes are the columns of lab. */
+static void FromLab(const PetscReal lab[3][3], const PetscReal v[3], PetscReal in[3]) {
+  for (int d = 0; d < 3; d++) in[d] = lab[0][d] * v[0] + lab[1][d] * v[1] + lab[2][d] * v[2];
+}
+
 /* TropismFrame - its vectors are those of the clamp's frame from now on; the columns of lab are the
    axes of that in the laboratory, where it is at place. */
 void TropismFrame(Tropism *self, const PetscReal lab[3][3], const PetscReal place[3]) {
@@ -115,8 +120,7 @@ void TropismFrame(Tropism *self, const PetscReal lab[3][3], const PetscReal plac
   for (int d = 0; d < 3; d++) self->source[d] -= place[d];
   for (int k = 0; k < 2; k++) {
     const PetscReal v[3] = {vector[k][0], vector[k][1], vector[k][2]};
-    for (int d = 0; d < 3; d++)
-      vector[k][d] = lab[0][d] * v[0] + lab[1][d] * v[1] + lab[2][d] * v[2];
+    FromLab(lab, v, vector[k]);
   }
 }
 
@@ -165,8 +169,8 @@ PetscErrorCode TropismChange(Tropism *self, const char *name, const PetscReal la
   UserCheck(v[2] == 0 || space, OptionsComm(), "%s: leads out of the plane, in which this run is",
             name);
   for (int d = 0; d < 3 && vector == self->source; d++) v[d] -= place[d];
-  for (int d = 0; d < 3; d++)
-    vector[d] = (lab[0][d] * v[0] + lab[1][d] * v[1] + lab[2][d] * v[2]) / size;
+  FromLab(lab, v, vector);
+  for (int d = 0; d < 3; d++) vector[d] /= size;
   PetscFunctionReturn(0);
 }
 
