@@ -2,6 +2,7 @@
 #include "tasks/accuracy.h"
 #include "tasks/growing.h"
 #include "rod/ask.h"
+#include "rod/learned.h"
 #include "rod/rules.h"
 #include "tasks/grow_rules.h"
 
@@ -75,12 +76,11 @@ static PetscReal Beside(const Grow *self) {
 
 /* Do strands of the rod touch each other, in space; has what it learns a front, where it is fed? */
 static PetscReal Beyond(const Grow *self) {
-  const Growth growth = self->scene->growth;
-  const PetscBool strands = (PetscBool)(self->model == SPACE && self->kept.pressed > 0 &&
-                                        RodMeetsItself(self->now->rod)),
-                  front = (PetscBool)(self->scene->tropism.any && growth->even && growth->slides);
+  const Rod rod = self->now->rod;
+  const PetscBool strands =
+      (PetscBool)(self->model == SPACE && self->kept.pressed > 0 && RodMeetsItself(rod));
 
-  return AccuracyBeyond(strands, front);
+  return AccuracyBeyond(strands, LearnedFront(rod));
 }
 
 /* What the steps leave at least: each field is followed to the tolerance of its own size, and the
