@@ -558,8 +558,15 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
   for (int k = 0; k < 3; k++) of.slope[k] = &cell->slope[k];
   FrameLearnedResidual(cell->rod, i, cell->h, cell->a, cell->mid, cell->b); /* what drives it */
   FrameYieldCell(cell->rod, &of, left, right, learned);
-  FrameLearnedSlopes(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, PETSC_TRUE, PETSC_TRUE,
+  FrameLearnedSlopes(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, PETSC_TRUE, of.tip,
                      learned);
+}
+
+/* ... and its equations at the clamp, by the node there. */
+static void YieldBegins(const Cell *cell, PetscReal begin[LINE_HALF + 1][YIELD_FIELDS]) {
+  memset(begin, 0, (LINE_HALF + 1) * sizeof(*begin));
+  for (int f = X1; f <= TH; f++) begin[f][OfClamp(cell->rod, f)] = 1;
+  FrameYieldBegin(cell->rod, cell->a, begin[LINE_HALF]);
 }
 
 /* The Jacobian of that. */
@@ -575,9 +582,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
   PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     CellsNext(&cell, i);
-    PetscCall(PetscMemzero(end, sizeof(end)));
-    for (int f = X1; f <= TH; f++) end[f][OfClamp(rod, f)] = 1;
-    FrameYieldBegin(rod, cell.a, end[LINE_HALF]);
+    if (i == 0) YieldBegins(&cell, end);
     YieldBlocks(&cell, i, (PetscBool)(i == begin), at->shift, left, right, &learned);
     LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
