@@ -1,6 +1,6 @@
 #include "record/observe.h"
 #include "record/balance.h"
-#include "curve/cell.h"
+#include "base/lagrange.h"
 #include "rod/crossing.h"
 #include <string.h>
 

@@ -4,7 +4,6 @@
 
 #include "record/touching.h"
 #include "stepping/leg.h"
-#include "stepping/vbdf.h"
 
 /* X(name, units, description): the series of the result file, in this order. */
 #define OBSERVABLES(X)                                                                             \

@@ -1,5 +1,4 @@
 #include "rod/learned_parts.h"
-#include <string.h>
 
 /* By what part of a turn the law bends a straight rod, as long as it becomes, towards x2 and x3. */
 static void FindDrive(Rod rod) {

@@ -1,6 +1,7 @@
 /* The coarse mesh of the estimate, with all that is on it: chosen, and refined where the rod
  * touches. */
 #include "base/blocklu.h"
+#include "base/chain.h"
 #include "stepping/estimating.h"
 
 static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {

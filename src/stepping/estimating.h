@@ -2,7 +2,6 @@
 #ifndef TENDRIL_ESTIMATING_H
 #define TENDRIL_ESTIMATING_H
 
-#include "base/chain.h"
 #include "base/elimination.h"
 #include "rod/ask.h"
 #include "rod/coarse.h"
