@@ -676,17 +676,21 @@ def differs(file, names, rows):
     return worst if n == len(rows) else (np.inf, f"{n} steps of {len(rows)}")
 
 
+def lines_of(session):
+    """(wall, its line in the result file, which has those of the plane first)"""
+    walls = session.played.walls
+    lines = str(session.setup.attributes.get("walls", "") or "").strip().splitlines()
+    return zip([*(w for w in walls if not w.in_space), *(w for w in walls if w.in_space)], lines)
+
+
 def drawn_walls(session):
     """Of each wall its line and kind, and what is drawn of it: in the plane a circle, or rings and lines; in space a mesh."""
-    from .solids import solids
+    from .solids import Reach, drawn
     from .walls import parse, solid
 
-    r, walls = session.setup, session.played.walls
-    lines = str(r.attributes.get("walls", "") or "").strip().splitlines()
-    order = [w for w in walls if not w.in_space] + [w for w in walls if w.in_space]
-    reach = max(float(r.shapes.x.max()), 1.0) + 1.1 * session.end
-    found = []
-    for wall, line in zip(order, lines):
+    r, found = session.setup, []
+    reach = max(float(r.shapes.x.max()), 1.0) + 1.1 * session.end  # surfaces are drawn as far as the rod may come
+    for wall, line in lines_of(session):
         words = line.split()
         one = {"line": wall.line, "kind": wall.kind, "moves": session.moves(wall), "inside": "inside" in words}
         numbers = [float(w) for w in words[1:8] if NUMBER.fullmatch(w)]
@@ -704,12 +708,7 @@ def drawn_walls(session):
             one |= {"rings": [np.ravel(ring).tolist() for ring in (body.to_polygons(closed_only=False) if body else [])],
                     "lines": [np.ravel(edge).tolist() for edge in edges]}
         if session.space:
-            r.attributes["walls"] = line
-            x = r.shapes["x"]
-            far = np.linspace(-reach, reach, x.shape[1])[None, :, None] * np.ones(x.shape[2])
-            r.shapes["x"] = np.concatenate([x, far])  # surfaces are drawn as far as the rod may come
-            pieces = solids(r)
-            r.shapes["x"] = x
+            pieces = drawn(line, r, Reach(np.minimum(r.shapes.x.min(axis=(0, 1)), -reach), np.full(3, reach)))
             if pieces:
                 before = np.cumsum([0] + [len(piece.vertices) for piece in pieces])
                 corners = np.concatenate([piece.vertices for piece in pieces])
@@ -719,7 +718,6 @@ def drawn_walls(session):
                 one |= {"vertices": np.round(np.ravel(corners[used]), 5).tolist(), "triangles": np.ravel(places).tolist(),
                         "lines3": [np.round(np.ravel(edge), 5).tolist() for piece in pieces for edge in piece.lines]}
         found.append(one)
-    r.attributes["walls"] = "\n".join(lines)
     return found
 
 
@@ -769,10 +767,8 @@ def courses_of(session):
     """{line: shift over time} of the walls that move as their lines say."""
     from .walls import ends_of
 
-    walls = session.played.walls
-    order = [w for w in walls if not w.in_space] + [w for w in walls if w.in_space]
     found = {}
-    for wall, line in zip(order, str(session.setup.attributes.get("walls", "") or "").strip().splitlines()):
+    for wall, line in lines_of(session):
         motion = ends_of(line.split())[2]
         if "shift" in motion:
             found[wall.line] = motion["shift"].at
