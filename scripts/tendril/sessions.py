@@ -12,10 +12,12 @@ import time
 from array import array
 from collections import Counter, deque
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from .courses import shift_of
 from .errors import RunError, TendrilError
 from .outbox import ROWS, thin
 from .playing import NUMBER, Played, controls, may_lead_tip, place_of, said_rows, save_scene, senses
@@ -770,10 +772,8 @@ def courses_of(session):
     found = {}
     for wall, line in lines_of(session):
         motion = ends_of(line.split())[2]
-        if "shift" in motion:
-            found[wall.line] = motion["shift"].at
-        elif "moves" in motion:
-            found[wall.line] = lambda t, velocity=motion["moves"]: velocity * t
+        if motion.keys() & {"shift", "moves"}:
+            found[wall.line] = partial(shift_of, motion)
     return found
 
 
