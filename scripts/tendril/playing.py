@@ -11,7 +11,7 @@ from pathlib import Path
 from .errors import TendrilError
 from .runs import rows_of, scene_file, texts_of
 from .simulation import Simulation
-from .units import in_si, quantity
+from .senses import number
 
 FILES = ("wall_file", "growth_path", "growth_table", "friction_field", "tip_field", "tip_path", "clamp_path",
          "rod_stiffness_file", "rod_curvature_file", "shape_file", "change_file")
@@ -177,20 +177,10 @@ def senses(setup) -> list[dict]:
     """Of growth that senses or learns, what may be changed: what the run began with."""
     found = []
     for name, label, unit, low, high in SENSES:
-        value = float(setup.attributes.get(f"parameters/{name}", 0) or 0)
+        value = number(setup, name)
         if value != 0:
             found.append({"name": name, "label": label, "value": value, "low": min(low, 2 * value), "high": max(high, 2 * value), "unit": unit, "of": name})
     return found
-
-
-def place_of(setup, name):
-    """[3], a place or direction that an option gives, dimensionless; None: it does not."""
-    text = str(setup.attributes.get(f"parameters/{name}", "") or "")
-    if not text:
-        return None
-    parts = [quantity(part) for part in text.split(",")]
-    x = [number * in_si(unit) / setup.scale("length") if unit else number for number, unit in parts]
-    return [*x, 0.0, 0.0][:3]
 
 
 def controls(played, space, setup) -> list[dict]:

@@ -20,10 +20,12 @@ import numpy as np
 from .courses import shift_of
 from .errors import RunError, TendrilError
 from .outbox import ROWS, thin
-from .playing import NUMBER, Played, controls, may_lead_tip, place_of, said_rows, save_scene, senses
+from .playing import NUMBER, Played, controls, may_lead_tip, said_rows, save_scene, senses
 from .results import Table
 from .runs import run
+from .senses import lamp, number
 from .simulation import BY_WORDS, Simulation
+from .surroundings import vector_of
 
 KEEP_AT_MOST = 0.03  # of the time that it runs, for states to go back to
 KEPT = 60  # of these, of a branch
@@ -91,9 +93,9 @@ class Session:
         self.branch = Branch(0)
         self.branches.append(self.branch)
         self.controls = controls(played, self.space, self.setup) + senses(self.setup)
-        offered = {c["name"] for c in self.controls}
-        self.lamp_at = place_of(self.setup, "tropism_source") if "tropism_light" in offered else None
-        self.pull_at = place_of(self.setup, "tropism_direction") if "tropism_gravity" in offered else None
+        at = lamp(self.setup, 3)
+        self.lamp_at = None if at is None else at.tolist()
+        self.pull_at = vector_of(self.setup, "tropism_direction", 3).tolist() if number(self.setup, "tropism_gravity") else None
         if self.pull_at and not self.space:
             self.controls.append({"name": "pull_angle", "label": "direction of that pull", "value": float(np.arctan2(*self.pull_at[1::-1])), "low": -3.1416,
                                   "high": 3.1416, "unit": "rad", "of": "tropism_direction"})
