@@ -248,14 +248,13 @@ class Session:
         """A held tip to a place."""
         if not may_lead_tip(self.played):
             raise TendrilError("the tip of this run cannot be led")
-        place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
-        self.change("tip_to", " ".join([repr(self.soon()), *map(repr, place)]))
+        self.change("tip_to", " ".join([repr(self.soon()), *map(repr, self.place(command))]))
 
     def do_lamp(self, command):
         """The lamp to a place."""
         if self.lamp_at is None:
             raise TendrilError("there is no lamp in this run")
-        place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
+        place = self.place(command)
         self.change("tropism_source", ",".join(map(repr, place)))
         self.lamp = [*place, 0.0][:3]
 
@@ -308,6 +307,10 @@ class Session:
         return "; ".join(self.save(str(kind)) for kind in kinds)
 
     # ---- inside ----
+
+    def place(self, command):
+        """A place in as many numbers as the run has axes."""
+        return [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
 
     def wall(self, command):
         for wall in self.played.walls:
