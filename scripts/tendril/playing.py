@@ -10,8 +10,8 @@ from pathlib import Path
 
 from .errors import TendrilError
 from .runs import rows_of, scene_file, texts_of
-from .simulation import Simulation
 from .senses import number
+from .simulation import Simulation
 
 FILES = ("wall_file", "growth_path", "growth_table", "friction_field", "tip_field", "tip_path", "clamp_path",
          "rod_stiffness_file", "rod_curvature_file", "shape_file", "change_file")
