@@ -330,7 +330,7 @@ def take_up(store, wanted, path):
         if not row or case.key in store.runs or row["scene_options"] != case.scene.options:
             continue
         run = {k: row[k] for k in ("verdict", "reason", "options", "scene_options", "message")}
-        run |= {k: float(row[k]) for k in COLUMNS[5:14] if row[k]}
+        run |= {k: int(row[k]) if row[k].isdigit() else float(row[k]) for k in COLUMNS[5:14] if row[k]}
         store.keep({"key": case.key, **run})
 
 

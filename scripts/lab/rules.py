@@ -47,7 +47,8 @@ def prepare(scratch, through):
     """The copy, built."""
     copy = scratch / "src"
     scratch.mkdir(parents=True, exist_ok=True)
-    shutil.copytree(heuristics.ROOT, copy, dirs_exist_ok=True, symlinks=True, ignore=shutil.ignore_patterns(".git", "build*", "runs"))
+    shutil.rmtree(copy, ignore_errors=True)
+    shutil.copytree(heuristics.ROOT, copy, symlinks=True, ignore=shutil.ignore_patterns(".git", "build*", "runs"))
     for register in heuristics.REGISTERS:
         for header in (copy / "src" / register).parent.glob("*rules.h"):
             text = header.read_text()

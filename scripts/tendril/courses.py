@@ -42,6 +42,11 @@ def course(numbers, columns, rate=False):
     return Course(curve.antiderivative(), values[[0, -1]])
 
 
+def shift_of(motion, t):
+    """[3], how far what moves so, as motion_of() has it, has been carried along at a time."""
+    return motion["shift"].at(t) if "shift" in motion else t * motion.get("moves", np.zeros(3))
+
+
 def motion_of(word, tail):
     """What a line says behind `moves` or `turns`: {"moves": velocity [3]} or {"shift": Course}, {"turns": rate, place and
     axis [7]} or {"angle": Course, "turns": ... that rate 0}."""

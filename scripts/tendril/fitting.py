@@ -236,14 +236,13 @@ def certain(problem: Problem, best: Solution, tell):
         best, known, rises = settled(problem, other, tell)
         other = exchanged_end(problem, best)
     ends = followed_out(problem, best, known, rises, tell)
+    half = known.reach * np.sqrt(np.diag(known.covariance))
     if other and other.cost < best.cost + max(rises):
-        half = known.reach * np.sqrt(np.diag(known.covariance))
         for k in range(len(problem.parameters)):
             low, high = ends.get(k, (best.u[k] - half[k], best.u[k] + half[k]))
             ends[k] = min(low, max(other.u[k] - half[k], 0.0)), max(high, min(other.u[k] + half[k], 1.0))
     if not ends:
         return best, known
-    half = known.reach * np.sqrt(np.diag(known.covariance))
     part = np.ones(len(half))
     for k, (low, high) in ends.items():
         if 0 < low and high < 1:  # else nothing shows how far it would go on

@@ -36,6 +36,7 @@ WEB = Path(__file__).resolve().parent / "web"
 LARGEST = 400_000  # bytes of a message: a wall file that is dropped on the page
 MOST_COMMANDS = 1000  # that wait for the end of a step
 FRAMES_A_SECOND = 60
+SCRIPTS = ("uplot/uPlot.iife.min.js", "format.js", "drawing.js", "live-draw.js", "live.js", "study.js")  # of a page, each on those before
 KINDS = {".h5": "application/x-hdf5", ".png": "image/png", ".gif": "image/gif", ".html": "text/html; charset=utf-8", ".opts": "text/plain; charset=utf-8",
          ".txt": "text/plain; charset=utf-8"}
 
@@ -294,8 +295,7 @@ def page_text(token):
     def text(*names):
         return "".join((WEB / name).read_text(encoding="utf-8") for name in names)
 
-    parts = {"style": text("uplot/uPlot.min.css", "page.css", "live.css"), "uplot": text("uplot/uPlot.iife.min.js"),
-             "licence": text("uplot/LICENSE"), "script": text("format.js", "drawing.js", "live-draw.js", "live.js", "study.js"), "token": json.dumps(token)}
+    parts = {"style": text("uplot/uPlot.min.css", "page.css", "live.css"), "uplot": text(SCRIPTS[0]), "licence": text("uplot/LICENSE"), "script": text(*SCRIPTS[1:]), "token": json.dumps(token)}
     page = (WEB / "live.html").read_text(encoding="utf-8")
     for name, part in parts.items():
         page = page.replace(f"@{name}@", part)

@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from .errors import TendrilError
-from .live_server import WEB
+from .live_server import SCRIPTS, WEB
 from .outbox import Outbox
 from .playing import prepare
 from .sessions import Session
@@ -21,7 +21,7 @@ FRAMES_A_SECOND = 20
 
 def script():
     """The page's own scripts as a module that a notebook loads."""
-    text = "\n".join((WEB / name).read_text(encoding="utf-8") for name in ("uplot/uPlot.iife.min.js", "format.js", "drawing.js", "live-draw.js", "live.js", "study.js"))
+    text = "\n".join((WEB / name).read_text(encoding="utf-8") for name in SCRIPTS)
     return text + """
 export default { render({ model, el }) {
   const connection = { hear: () => {}, lost: () => {}, open: true, send: (message) => model.send(message) };

@@ -790,12 +790,12 @@ def panels_of(asked, runs):
     return [name.strip() for name in asked.split(",")] if isinstance(asked, str) else list(asked or first)
 
 
-@arguments(panels="texts?", times="times?", si="flag?", overlay="flag", titles="texts?")
 def of_one_file(runs) -> bool:
     """Whether these are rods of one run, which are seen together."""
     return len({r.path for r in runs}) == 1 and all(isinstance(r, Rod) for r in runs)
 
 
+@arguments(panels="texts?", times="times?", si="flag?", overlay="flag", titles="texts?")
 def plot(results: Results | Sequence[Results], panels: Sequence[str] | str | None = None, *,
          times: Sequence[float | str] | None = None, si: bool | None = None, overlay: bool = False,
          titles: Sequence[str] | None = None, beside: Sequence[Results] = (),

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from .errors import TendrilError
 from .runs import rows_of, scene_file, texts_of
+from .senses import number
 from .simulation import Simulation
-from .units import in_si, quantity
 
 FILES = ("wall_file", "growth_path", "growth_table", "friction_field", "tip_field", "tip_path", "clamp_path",
          "rod_stiffness_file", "rod_curvature_file", "shape_file", "change_file")
@@ -100,14 +100,13 @@ def walls_in(path) -> list[Wall]:
     return [Wall(k, words) for k, words in enumerate(split, 1) if words]
 
 
-def upright(lines) -> list[str]:
+def upright(walls, lines) -> list[str]:
     """The lines of a wall file in which circles and planes of the plane are the surfaces in space that they are beside a rod in
     space, which can be moved."""
-    found = []
-    for line in lines:
-        words = line.partition("#")[0].replace(",", " ").split()
-        wall = Wall(0, words) if words else None
-        if wall and wall.kind in ("circle", "plane") and not wall.in_space:
+    found = list(lines)
+    for wall in walls:
+        words = wall.words
+        if wall.kind in ("circle", "plane") and not wall.in_space:
             rest = words[words.index("friction"):] if "friction" in words else []
             if wall.kind == "circle":
                 x, y, r = wall.numbers[:3]
@@ -115,8 +114,7 @@ def upright(lines) -> list[str]:
             else:
                 x, y, nx, ny = wall.numbers[:4]
                 words = ["plane", x, y, "0", nx, ny, "0", *rest]
-            line = " ".join(words)
-        found.append(line)
+            found[wall.line - 1] = " ".join(words)
     return found
 
 
@@ -151,7 +149,7 @@ def add_posts(played, directory, posts):
 
     sim = Simulation(**played.options)
     old = Path(played.options["wall_file"]).read_text().splitlines() if played.walls else []
-    lines = upright(old) if sim.space else list(old)
+    lines = upright(played.walls, old) if sim.space else list(old)
     if posts:
         begun = Path(directory) / "alone.h5"
         sim.save(begun)
@@ -177,20 +175,10 @@ def senses(setup) -> list[dict]:
     """Of growth that senses or learns, what may be changed: what the run began with."""
     found = []
     for name, label, unit, low, high in SENSES:
-        value = float(setup.attributes.get(f"parameters/{name}", 0) or 0)
+        value = number(setup, name)
         if value != 0:
             found.append({"name": name, "label": label, "value": value, "low": min(low, 2 * value), "high": max(high, 2 * value), "unit": unit, "of": name})
     return found
-
-
-def place_of(setup, name):
-    """[3], a place or direction that an option gives, dimensionless; None: it does not."""
-    text = str(setup.attributes.get(f"parameters/{name}", "") or "")
-    if not text:
-        return None
-    parts = [quantity(part) for part in text.split(",")]
-    x = [number * in_si(unit) / setup.scale("length") if unit else number for number, unit in parts]
-    return [*x, 0.0, 0.0][:3]
 
 
 def controls(played, space, setup) -> list[dict]:
@@ -279,9 +267,8 @@ def save_scene(played, changes, directory, name, said="") -> Path:
             value = "walls.txt"
             (to / value).write_text("\n".join(rows) + "\n")  # so that no copy takes its name
             for wall in played.walls:
-                for inner in names_file(wall.words[1:], folder):
-                    row = [copied(folder / inner, to) if word == inner else word for word in rows[wall.line - 1].partition("#")[0].replace(",", " ").split()]
-                    rows[wall.line - 1] = " ".join(row)
+                if inner := names_file(wall.words[1:], folder):
+                    rows[wall.line - 1] = " ".join(copied(folder / word, to) if word in inner else word for word in wall.words)
             (to / value).write_text("\n".join(rows) + "\n")
         elif option in FILES:
             value = copied(value, to)

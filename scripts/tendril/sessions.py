@@ -12,16 +12,20 @@ import time
 from array import array
 from collections import Counter, deque
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from .courses import shift_of
 from .errors import RunError, TendrilError
 from .outbox import ROWS, thin
-from .playing import NUMBER, Played, controls, may_lead_tip, place_of, said_rows, save_scene, senses
+from .playing import NUMBER, Played, controls, may_lead_tip, said_rows, save_scene, senses
 from .results import Table
 from .runs import run
+from .senses import lamp, number
 from .simulation import BY_WORDS, Simulation
+from .surroundings import vector_of
 
 KEEP_AT_MOST = 0.03  # of the time that it runs, for states to go back to
 KEPT = 60  # of these, of a branch
@@ -89,9 +93,9 @@ class Session:
         self.branch = Branch(0)
         self.branches.append(self.branch)
         self.controls = controls(played, self.space, self.setup) + senses(self.setup)
-        offered = {c["name"] for c in self.controls}
-        self.lamp_at = place_of(self.setup, "tropism_source") if "tropism_light" in offered else None
-        self.pull_at = place_of(self.setup, "tropism_direction") if "tropism_gravity" in offered else None
+        at = lamp(self.setup, 3)
+        self.lamp_at = None if at is None else at.tolist()
+        self.pull_at = vector_of(self.setup, "tropism_direction", 3).tolist() if number(self.setup, "tropism_gravity") else None
         if self.pull_at and not self.space:
             self.controls.append({"name": "pull_angle", "label": "direction of that pull", "value": float(np.arctan2(*self.pull_at[1::-1])), "low": -3.1416,
                                   "high": 3.1416, "unit": "rad", "of": "tropism_direction"})
@@ -244,14 +248,13 @@ class Session:
         """A held tip to a place."""
         if not may_lead_tip(self.played):
             raise TendrilError("the tip of this run cannot be led")
-        place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
-        self.change("tip_to", " ".join([repr(self.soon()), *map(repr, place)]))
+        self.change("tip_to", " ".join([repr(self.soon()), *map(repr, self.place(command))]))
 
     def do_lamp(self, command):
         """The lamp to a place."""
         if self.lamp_at is None:
             raise TendrilError("there is no lamp in this run")
-        place = [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
+        place = self.place(command)
         self.change("tropism_source", ",".join(map(repr, place)))
         self.lamp = [*place, 0.0][:3]
 
@@ -304,6 +307,10 @@ class Session:
         return "; ".join(self.save(str(kind)) for kind in kinds)
 
     # ---- inside ----
+
+    def place(self, command):
+        """A place in as many numbers as the run has axes."""
+        return [number_of(x, "place") for x in command["place"]][:3 if self.space else 2]
 
     def wall(self, command):
         for wall in self.played.walls:
@@ -676,17 +683,21 @@ def differs(file, names, rows):
     return worst if n == len(rows) else (np.inf, f"{n} steps of {len(rows)}")
 
 
+def lines_of(session):
+    """(wall, its line in the result file, which has those of the plane first)"""
+    walls = session.played.walls
+    lines = str(session.setup.attributes.get("walls", "") or "").strip().splitlines()
+    return zip([*(w for w in walls if not w.in_space), *(w for w in walls if w.in_space)], lines)
+
+
 def drawn_walls(session):
     """Of each wall its line and kind, and what is drawn of it: in the plane a circle, or rings and lines; in space a mesh."""
-    from .solids import solids
+    from .solids import Reach, drawn
     from .walls import parse, solid
 
-    r, walls = session.setup, session.played.walls
-    lines = str(r.attributes.get("walls", "") or "").strip().splitlines()
-    order = [w for w in walls if not w.in_space] + [w for w in walls if w.in_space]
-    reach = max(float(r.shapes.x.max()), 1.0) + 1.1 * session.end
-    found = []
-    for wall, line in zip(order, lines):
+    r, found = session.setup, []
+    reach = max(float(r.shapes.x.max()), 1.0) + 1.1 * session.end  # surfaces are drawn as far as the rod may come
+    for wall, line in lines_of(session):
         words = line.split()
         one = {"line": wall.line, "kind": wall.kind, "moves": session.moves(wall), "inside": "inside" in words}
         numbers = [float(w) for w in words[1:8] if NUMBER.fullmatch(w)]
@@ -704,12 +715,7 @@ def drawn_walls(session):
             one |= {"rings": [np.ravel(ring).tolist() for ring in (body.to_polygons(closed_only=False) if body else [])],
                     "lines": [np.ravel(edge).tolist() for edge in edges]}
         if session.space:
-            r.attributes["walls"] = line
-            x = r.shapes["x"]
-            far = np.linspace(-reach, reach, x.shape[1])[None, :, None] * np.ones(x.shape[2])
-            r.shapes["x"] = np.concatenate([x, far])  # surfaces are drawn as far as the rod may come
-            pieces = solids(r)
-            r.shapes["x"] = x
+            pieces = drawn(line, r, Reach(np.minimum(r.shapes.x.min(axis=(0, 1)), -reach), np.full(3, reach)))
             if pieces:
                 before = np.cumsum([0] + [len(piece.vertices) for piece in pieces])
                 corners = np.concatenate([piece.vertices for piece in pieces])
@@ -719,7 +725,6 @@ def drawn_walls(session):
                 one |= {"vertices": np.round(np.ravel(corners[used]), 5).tolist(), "triangles": np.ravel(places).tolist(),
                         "lines3": [np.round(np.ravel(edge), 5).tolist() for piece in pieces for edge in piece.lines]}
         found.append(one)
-    r.attributes["walls"] = "\n".join(lines)
     return found
 
 
@@ -769,15 +774,11 @@ def courses_of(session):
     """{line: shift over time} of the walls that move as their lines say."""
     from .walls import ends_of
 
-    walls = session.played.walls
-    order = [w for w in walls if not w.in_space] + [w for w in walls if w.in_space]
     found = {}
-    for wall, line in zip(order, str(session.setup.attributes.get("walls", "") or "").strip().splitlines()):
+    for wall, line in lines_of(session):
         motion = ends_of(line.split())[2]
-        if "shift" in motion:
-            found[wall.line] = motion["shift"].at
-        elif "moves" in motion:
-            found[wall.line] = lambda t, velocity=motion["moves"]: velocity * t
+        if motion.keys() & {"shift", "moves"}:
+            found[wall.line] = partial(shift_of, motion)
     return found
 
 

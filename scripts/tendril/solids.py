@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
+from .courses import shift_of
 from .results import Results
 from .senses import lamp
 from .spatial import carried, slopes
@@ -36,9 +37,9 @@ class Surface:
         """It where it is at a time."""
         if not self.motion:
             return self
-        moves, turns, middle = (self.motion.get(what, still) for what, still in
-                                (("moves", np.zeros(3)), ("turns", np.array([0, 0, 0, 0, 0, 0, 1.0])), ("middle", np.zeros(3))))
-        shift = self.motion["shift"].at(t) if "shift" in self.motion else t * moves
+        turns, middle = (self.motion.get(what, still) for what, still in
+                         (("turns", np.array([0, 0, 0, 0, 0, 0, 1.0])), ("middle", np.zeros(3))))
+        shift = shift_of(self.motion, t)
         angle = self.motion["angle"].at(t)[0] if "angle" in self.motion else turns[0] * t
         turn, place = Rotation.from_rotvec(angle * turns[4:]), turns[1:4]
         under = turn.inv().apply(middle - place - shift) + place  # what was drawn there is under the rod now

@@ -25,7 +25,7 @@ def axis_of(name, values):
     texts = [text_of(v) for v in values]
     found = [quantity(text) for text in texts]
     numbers = [one[0] for one in found] if None not in found and len({one[1] for one in found}) == 1 else None
-    return {"name": name, "label": in_words(name), "texts": texts, "numbers": numbers, "unit": found[0][1] if numbers else ""}
+    return {"name": name, "label": in_words(name), "texts": texts, "numbers": numbers}
 
 
 class SweepSeen:
@@ -38,14 +38,14 @@ class SweepSeen:
                "axes": [axis_of(name, values) for name, values in over.items()], "count": count,
                "points": list(product(*(range(len(values)) for values in over.values())))})
 
-    def member(self, k, r, seconds=None):
+    def member(self, k, r):
         """One has ended."""
         from .collection import final_values
 
         if k in self.told:
             return
         self.told.add(k)
-        told = {"kind": "member", "k": k, "seconds": seconds, "failed": "", "values": {}, "units": {}, "x": None, "space": False}
+        told = {"kind": "member", "k": k, "failed": "", "values": {}, "units": {}, "x": None, "space": False}
         if isinstance(r, RunError):
             told["failed"] = str(r)
         else:
@@ -61,7 +61,7 @@ class SweepSeen:
         """All that have ended since the last look."""
         for k in np.flatnonzero(sweep.status):
             if k not in self.told:
-                self.member(int(k), sweep.member(k), float(sweep.seconds[k]))
+                self.member(int(k), sweep.member(k))
 
     @contextmanager
     def following(self, path, over):

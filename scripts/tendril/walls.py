@@ -19,7 +19,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
-from .courses import motion_of
+from .courses import motion_of, shift_of
 from .senses import lamp
 from .surroundings import pressed
 
@@ -40,10 +40,9 @@ class Wall:
         """It where it is at a time; a wall of the plane, which does not turn."""
         if not self.motion:
             return self
-        shift = self.motion["shift"].at(t) if "shift" in self.motion else t * self.motion["moves"]
         numbers, first = self.numbers.copy(), int(self.kind == "path")
         places = numbers[first:len(numbers) if self.kind in ("path", "polygon") else 2].reshape(-1, 2)
-        places += shift[:2]
+        places += shift_of(self.motion, t)[:2]
         return replace(self, numbers=numbers, motion={})
 
 

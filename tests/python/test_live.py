@@ -248,6 +248,20 @@ class Sessions(unittest.TestCase):
             self.assertEqual([(file.parent / rows[k].split()[1]).read_text() for k in (0, 2)], [(place / "d1/walls.txt").read_text(), (place / "d2/duct.csv").read_text()])
             self.assertEqual(rows[2].split()[2:], ["inside", "friction", "0.1"])
 
+    def test_each_wall_beside_a_rod_that_sees_a_lamp_is_drawn_alone(self):
+        from tendril.playing import prepare
+        from tendril.sessions import Session, drawn_walls
+
+        with tempfile.TemporaryDirectory() as directory:
+            scene = dict(growth_type="apical", growth_zone=0.5, growth_initial_length=1, shape_type="straight", rod_cells=20, rod_model="space",
+                         tropism_light=1, tropism_source="9,1,2", contact_diameter=0.1, wall_file=["sphere 5 0 3 0.5 outside", "sphere 5 3 0 0.5 outside moves 1 0 0"])
+            session = Session(prepare(None, scene, directory), directory)
+            self.assertEqual(session.scene()["lamp"], True)
+            self.assertEqual(session.lamp_at, [9, 1, 2])
+            for wall, middle in zip(drawn_walls(session), ([5, 0, 3], [5, 3, 0])):
+                off = np.linalg.norm(np.reshape(wall["vertices"], (-1, 3)) - middle, axis=1)
+                np.testing.assert_allclose(off, 0.5, atol=1e-4)
+
     def test_what_is_kept_for_pages_is_bounded(self):
         from tendril import sessions
 

@@ -591,6 +591,9 @@ class Package(unittest.TestCase):
             for wrong in ([], 5, self.place / "none.h5"):
                 with self.assertRaisesRegex(tendril.TendrilError, "(no run|not int|no such file)"):
                     draw(wrong)
+        for wrong, words in (({"panels": 7}, "panels: give names"), ({"overlay": "yes"}, "overlay: give True or False"), ({"none": 1}, "plot: .*none")):
+            with self.assertRaisesRegex(tendril.TendrilError, words):
+                tendril.plot(self.tube, **wrong)
         figure = tendril.plot(tendril.critical("feed"))
         self.assertEqual(len(figure.axes), 1)
         ax = plt.figure().subplots()

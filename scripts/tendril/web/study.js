@@ -62,7 +62,8 @@ function mountStudy(root, first) {
 // ---- a sweep ----
 
 function sweepPage(root, m) {
-  const S = { first: m, members: new Array(m.count).fill(null), done: 0, failed: 0, ended: "", chosen: null, quantity: "width", fixed: m.axes.map(() => 0) };
+  const S = { first: m, members: new Array(m.count).fill(null), ended: "", chosen: null, quantity: "width", fixed: m.axes.map(() => 0),
+    get done() { return this.members.filter(Boolean).length; }, get failed() { return this.members.filter((one) => one && one.failed).length; } };
   const plotted = canvasOf("the quantity over the options that are varied; an arrow key or a tap chooses a run", 1.35), rod = canvasOf("the rod of the run that is chosen", 1.9);
   plotted.tabIndex = 0;
   const told = make("p", { className: "l-told", role: "status" }), about = make("p", { className: "hint" }), end = make("pre", { className: "l-report" });
@@ -80,8 +81,6 @@ function sweepPage(root, m) {
     if (one.kind === "ended") S.ended = one.text;
     if (one.kind !== "member") return;
     S.members[one.k] = { ...one, x: one.x ? floats(one.x) : null };
-    S.done++;
-    S.failed += one.failed ? 1 : 0;
     if (S.chosen === null || !S.picked) S.chosen = one.k;
     const names = Object.keys(one.values).filter((name) => !OF_STEPS.test(name));
     if (!quantity.options.length && names.length) {
