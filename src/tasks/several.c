@@ -22,7 +22,7 @@ typedef struct {
   RestartState *own;   /* and of each */
   OptionWords words;   /* the sections of that file */
   PetscReal end, rtol, eased, start, interval, next_output, stored_shape, t;
-  PetscReal way, report_at;
+  PetscReal report_at;
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
