@@ -189,8 +189,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
     PetscCall(PetscPrintf(self->scene->comm, "goes on from t = %s of %s, into %s\n",
                           OptionBoth(state->t, UNIT_TIME, text), restart,
                           output[0] ? output : restart));
-  self->next_output = self->output_interval;
-  while (self->next_output <= state->t * (1 + 1e-12)) self->next_output += self->output_interval;
+  self->next_output = OutputNext(state->t, self->output_interval);
   PetscFunctionReturn(0);
 }
 

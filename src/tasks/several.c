@@ -330,8 +330,7 @@ static PetscErrorCode GoOn(Run *self) {
   self->snaps = (PetscInt)self->from.kept.snaps;
   PetscCall(PetscArraycpy(self->counted, self->from.counted, 2));
   PetscCall(SeveralTake(&self->file, self->restart, self->t, self->interval));
-  self->next_output = self->interval;
-  while (self->next_output <= self->t * (1 + 1e-12)) self->next_output += self->interval;
+  self->next_output = OutputNext(self->t, self->interval);
   if (!self->quiet)
     PetscCall(PetscPrintf(PETSC_COMM_SELF, "goes on from t = %s of %s, into %s\n",
                           OptionBoth(self->t, UNIT_TIME, text), self->restart, self->file.path));
