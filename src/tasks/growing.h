@@ -77,6 +77,7 @@ PetscErrorCode GrowSave(Grow *self, const char *path, PetscReal t, PetscReal now
 /* grow_begin.c */
 PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart);
 PetscErrorCode GrowDestroy(Grow *self);
+PetscErrorCode GrowTolerance(PetscBool touches, PetscReal *rtol, PetscReal *most);
 
 /* grow_start.c */
 PetscErrorCode GrowCheckStart(Grow *self);

@@ -78,10 +78,9 @@ static PetscErrorCode MakeScene(Run *self, PetscInt k) {
   PetscFunctionReturn(0);
 }
 
-/* Can any rod touch something, by what is given? Steps are coarser then, and may be eased, as for a
-   rod alone (grow_begin.c). */
+/* As of a rod alone; can any touch something, by what is given? */
 static PetscErrorCode ReadTolerance(Run *self) {
-  PetscBool touches = PETSC_FALSE, given, eased;
+  PetscBool touches = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && !touches; k++) {
@@ -89,15 +88,7 @@ static PetscErrorCode ReadTolerance(Run *self) {
     PetscCall(OptionGiven("-wall_file", &touches));
     PetscCall(RodsLeave(self->rods));
   }
-  PetscCall(OptionGiven("-ts_rtol", &given));
-  if (touches) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
-  PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
-  if (touches && !given)
-    PetscCall(OptionDefault("-contact_rtol", "%.3g", grow_rule.contact_eases * self->rtol));
-  PetscCall(OptionReal("-contact_rtol", &self->eased, &eased));
-  UserCheck(!eased || (touches && self->eased >= self->rtol), OptionsComm(),
-            "-contact_rtol: is at least -ts_rtol, of rods that can touch a wall; take it out");
-  if (!eased) self->eased = self->rtol;
+  PetscCall(GrowTolerance(touches, &self->rtol, &self->eased));
   PetscFunctionReturn(0);
 }
 
