@@ -22,14 +22,13 @@ typedef struct {
   RestartState *own;   /* and of each */
   OptionWords words;   /* the sections of that file */
   PetscReal end, rtol, eased, start, interval, next_output, stored_shape, t;
-  PetscReal report_at;
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
   int stopped;
   char interrupted[64];
   TSConvergedReason reason;
-  PetscLogDouble begin, reported;
+  Pace pace;
 } Run;
 
 /* SeveralAsked - has the scene several rods, or the run that is gone on with? */
@@ -393,18 +392,11 @@ static PetscBool ShareMore(Run *self, PetscBool again) {
 
 static PetscErrorCode Progress(Run *self, PetscBool last) {
   PetscReal length = 0, time, unit;
-  PetscLogDouble now;
-  char left[32] = "";
+  char left[32];
 
   PetscFunctionBegin;
-  if (self->quiet) PetscFunctionReturn(0);
-  PetscCall(PetscTime(&now));
-  if (!last && now - self->reported < 1 && self->t < self->report_at) PetscFunctionReturn(0);
-  self->reported = now;
-  self->report_at = self->t + self->end / 10;
-  if (now - self->begin > 0.5 && self->t > self->start + 0.02 * self->end && !last)
-    (void)snprintf(left, sizeof(left), "%9.1f s",
-                   (now - self->begin) * (self->end - self->t) / (self->t - self->start));
+  if (self->quiet || !GrowPaceDue(&self->pace, self->start, self->t, self->end, last, left))
+    PetscFunctionReturn(0);
   for (PetscInt k = 0; k < self->n; k++) length = PetscMax(length, self->each[k].seen.length);
   (void)OptionShownIn(self->end, UNIT_TIME, &time);
   (void)OptionShownIn(length, UNIT_LENGTH, &unit);
@@ -497,10 +489,11 @@ static PetscErrorCode Summary(Run *self) {
   PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
   PetscCall(PetscTime(&now));
   PetscCall(TellRods(self));
-  PetscCall(PetscPrintf(
-      PETSC_COMM_SELF, "t = %s: %d rods, %d steps, %d rejected, %d Newton iterations, %.3f s",
-      OptionBoth(self->t, UNIT_TIME, text), (int)self->n, (int)steps,
-      (int)(rejected + self->counted[1]), (int)(iterations + self->counted[0]), now - self->begin));
+  PetscCall(PetscPrintf(PETSC_COMM_SELF,
+                        "t = %s: %d rods, %d steps, %d rejected, %d Newton iterations, %.3f s",
+                        OptionBoth(self->t, UNIT_TIME, text), (int)self->n, (int)steps,
+                        (int)(rejected + self->counted[1]), (int)(iterations + self->counted[0]),
+                        now - self->pace.begin));
   if (self->snaps)
     PetscCall(
         PetscPrintf(PETSC_COMM_SELF, "; %d snap%s", (int)self->snaps, self->snaps > 1 ? "s" : ""));
@@ -606,8 +599,7 @@ static PetscErrorCode Heading(Run *self) {
   const char *unit = OptionShownIn(self->end, UNIT_TIME, &factor);
 
   PetscFunctionBegin;
-  PetscCall(PetscTime(&self->begin));
-  self->reported = self->begin;
+  PetscCall(GrowPaceBegin(&self->pace));
   if (self->quiet) PetscFunctionReturn(0);
   PetscCall(OptionsTellPlain());
   PetscCall(PetscPrintf(PETSC_COMM_SELF, "%d rods%s%s\n%10s %10s %10s %7s %11s\n", (int)self->n,
