@@ -309,7 +309,6 @@ PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, P
   for (PetscInt k = 0; k < self->n; k++) {
     Output one = self->each[k];
     PetscCall(OutputRoom(one, rows));
-    PetscCall(PetscArrayzero(one->series, rows));
     one->series_n = rows;
     one->shapes_n = one->shapes_room = one->times_n = one->times_room = shapes;
     PetscCall(PetscMalloc1(shapes, &one->times));
