@@ -200,7 +200,7 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
 
   PetscFunctionBegin;
   PetscCall(OutputAttributes(file, PETSC_COMM_SELF, finished));
-  PetscCall(HdfText(file, "/", "interrupted", self->stopped));
+  PetscCall(HdfText(file, "/", "interrupted", self->each[0]->interrupted));
   PetscCall(HdfGroup(file, "/rods"));
   PetscCall(RodsText(self->rods, &text));
   PetscCall(HdfWriteText(file, "/rods/text", text, "the rods' own options, a section each"));

@@ -26,7 +26,6 @@ typedef struct {
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
   int stopped;
-  char interrupted[64];
   TSConvergedReason reason;
   Pace pace;
 } Run;
@@ -537,14 +536,15 @@ static PetscErrorCode Verdict(Run *self) {
 }
 
 static PetscErrorCode Finish(Run *self) {
-  char text[64];
+  char text[2][64] = {""};
 
   PetscFunctionBegin;
   PetscCall(Summary(self));
   if (self->t != self->stored_shape) PetscCall(StoreShape(self, self->t, self->leg.U));
   if (self->stopped)
-    (void)snprintf(self->interrupted, sizeof(self->interrupted), "by signal %d at t = %.30s",
-                   self->stopped, OptionBoth(self->t, UNIT_TIME, text));
+    (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
+                   OptionBoth(self->t, UNIT_TIME, text[1]));
+  for (PetscInt k = 0; k < self->n; k++) PetscCall(OutputInterrupted(self->output[k], text[0]));
   PetscCall(SeveralStore(&self->file, self->t, (PetscBool)(self->reason == TS_CONVERGED_TIME)));
   PetscCall(Verdict(self));
   PetscFunctionReturn(0);
@@ -577,7 +577,6 @@ static PetscErrorCode Begin(Run *self) {
   self->file.rods = self->rods;
   self->file.n = self->n;
   self->file.each = self->output;
-  self->file.stopped = self->interrupted;
   self->file.keep = Keep;
   self->file.ctx = self;
   PetscCall(SeveralBegin(&self->file));
