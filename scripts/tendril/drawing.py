@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from .errors import ResultsError, RunError
+from .loading import runs_of
 from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .pictures import NAMED, colours
 from .results import Results
@@ -42,7 +43,7 @@ def draw(scene=None, *, rods=None, pairs=None, view: tuple[float, float] | str |
     scene, rods, pairs, options  as for run(); or what run() gave, drawn as it began
     view                         from where it is seen, as for plot()"""
     results = scene if isinstance(scene, Results) else begun(scene, rods, pairs, options)
-    each = list(results.rods.values()) if isinstance(results, Several) else [results]
+    each = runs_of(results, "draw")
     if not all(len(r.shapes.get("t", ())) for r in each):
         raise ResultsError("draw: the scene holds no shape; give one of -task grow")
     with plt.rc_context(STYLE):

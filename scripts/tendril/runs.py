@@ -307,7 +307,7 @@ def table_file(name, table, directory) -> str:
         own = table.index if table.index.dtype == object else [f"{name}{k + 1}" for k in range(len(table))]
         table = table.assign(name=own)
     path = Path(directory) / f"{name}.csv"
-    table.map(lambda value: text_of(value)).to_csv(path, index=False)
+    table.map(text_of).to_csv(path, index=False)
     return path.name
 
 
@@ -323,8 +323,7 @@ def rod_words(scene, rods, pairs, directory) -> list[str]:
         elif not isinstance(own, dict):
             raise TendrilError(f"rods: {name}: give a dict of options, or a DataFrame with a row a rod, not {type(own).__name__}")
         elif name in known:
-            words = words_of(own, directory)
-            prefixed += [f"-{name}_{word[1:]}" if k % 2 == 0 else word for k, word in enumerate(words)]
+            prefixed += [word for key, value in texts_of(own, directory).items() for word in (f"-{name}_{key}", value)]
         else:
             lines += [f"[rod {name}]", *(f"-{key} {value}" for key, value in texts_of(own, directory).items())]
     for pair, own in (pairs or {}).items():

@@ -18,11 +18,6 @@ static inline void Put2(Vector2 a, PetscReal to[]) {
   to[1] = a.y;
 }
 
-static inline void Add2(Vector2 a, PetscReal to[]) {
-  to[0] += a.x;
-  to[1] += a.y;
-}
-
 static inline Vector2 Plus2(Vector2 a, Vector2 b) {
   return (Vector2){a.x + b.x, a.y + b.y};
 }

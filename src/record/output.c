@@ -201,9 +201,17 @@ PetscErrorCode OutputCreate(const char *path, Scene scene, Output *output) {
   PetscFunctionReturn(0);
 }
 
-/* OutputOnGrid - is t one of the times at which shapes are stored? Those are added up as a run
-   does; 0, near to which a run may take many steps, is none of them. */
-PetscBool OutputOnGrid(PetscReal t, PetscReal interval) {
+/* OutputNext - the first time behind t at which a shape is stored. Those are added up; 0, near to
+   which a run may take many steps, is none of them. */
+PetscReal OutputNext(PetscReal t, PetscReal interval) {
+  PetscReal due = interval;
+
+  while (due <= t * (1 + 1e-12)) due += interval;
+  return due;
+}
+
+/* Is t one of them? */
+static PetscBool OnGrid(PetscReal t, PetscReal interval) {
   PetscReal due = interval;
 
   while (due < t * (1 - 1e-12)) due += interval;
@@ -214,6 +222,25 @@ PetscBool OutputOnGrid(PetscReal t, PetscReal interval) {
 PetscInt OutputCountUpTo(PetscInt n, const PetscReal times[], PetscReal t) {
   while (n > 0 && times[n - 1] > t * (1 + 1e-12)) n--;
   return n;
+}
+
+/* OutputUpTo - how much there is in a file of a run that goes on from t: rows of its series, and
+   the times of its shapes, which the caller frees. Arguments are those of OutputContinue(). */
+PetscErrorCode OutputUpTo(const char *from, MPI_Comm comm, PetscReal t, PetscReal interval,
+                          PetscInt *rows, PetscInt *shapes, PetscReal **times) {
+  PetscBool good;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  PetscCall(HdfRead("-restart", from, "/series/t", 1, &n, times));
+  *rows = OutputCountUpTo(n, *times, t);
+  good = (PetscBool)(*rows > 0 && PetscAbsReal((*times)[*rows - 1] - t) <= 1e-12 * t);
+  PetscCall(PetscFree(*times));
+  UserCheck(good, comm, "-restart %s: its series end before its last state", from);
+  PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, times));
+  *shapes = OutputCountUpTo(n, *times, t);
+  if (*shapes > 1 && (*times)[*shapes - 1] > t * (1 - 1e-12) && !OnGrid(t, interval)) --*shapes;
+  PetscFunctionReturn(0);
 }
 
 /* The options of all earlier legs, a heading line with its end before each. */
@@ -245,18 +272,10 @@ static PetscErrorCode EarlierOptions(Output self, const char *from, PetscReal t)
 PetscErrorCode OutputContinue(const char *path, const char *from, Scene scene, PetscReal t,
                               PetscReal interval, Output *output) {
   PetscReal *times;
-  PetscInt series, shapes, n;
-  PetscBool good;
+  PetscInt series, shapes;
 
   PetscFunctionBegin;
-  PetscCall(HdfRead("-restart", from, "/series/t", 1, &n, &times));
-  series = OutputCountUpTo(n, times, t);
-  good = (PetscBool)(series > 0 && PetscAbsReal(times[series - 1] - t) <= 1e-12 * t);
-  PetscCall(PetscFree(times));
-  UserCheck(good, scene->comm, "-restart %s: its series end before its last state", from);
-  PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, &times));
-  shapes = OutputCountUpTo(n, times, t);
-  if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OutputOnGrid(t, interval)) shapes--;
+  PetscCall(OutputUpTo(from, scene->comm, t, interval, &series, &shapes, &times));
   if (path) path = path[0] ? path : from; /* NULL: nothing is stored by itself */
   PetscCall(New(path ? path : "", scene, output));
   PetscCall(PetscStrncpy((*output)->from, from, sizeof((*output)->from)));

@@ -43,6 +43,7 @@ PetscErrorCode OutputErrors(Output output, const ErrorEstimate *error);
 PetscErrorCode OutputDerivative(Output output, const char *name, const char *unit, PetscReal number,
                                 Harvest *harvest);
 PetscErrorCode OutputInterrupted(Output output, const char *by);
+PetscReal OutputNext(PetscReal t, PetscReal interval);
 PetscBool OutputHolds(const Output output, int observed);
 PetscBool OutputStores(Output output);
 PetscBool OutputDue(Output output);

@@ -135,11 +135,18 @@ PetscErrorCode RememberedRead(const char *file, MPI_Comm comm, RestartState *sta
   PetscFunctionReturn(0);
 }
 
+/* The reals of a state, as names have them. */
+static PetscReal *Give(const RestartState *state, PetscReal *to) {
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(numbers); k++)
+    for (PetscInt i = 0; i < numbers[k].n; i++)
+      *to++ = ((const PetscReal *)state)[numbers[k].at + i];
+  return to;
+}
+
 /* RememberedWrite - writes a state, into a file that is open, on rank 0 (NULL on the others). */
 PetscErrorCode RememberedWrite(HdfFile file, const RestartState *state) {
-  const PetscReal *all = (const PetscReal *)state;
   const PetscInt n = RESTART_STATE;
-  PetscReal value[RESTART_STATE], *to = value;
+  PetscReal value[RESTART_STATE];
   const size_t room = RESTART_STATE * sizeof(observed_name[0]) * 8;
   char *names, *end;
 
@@ -149,12 +156,12 @@ PetscErrorCode RememberedWrite(HdfFile file, const RestartState *state) {
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(numbers); k++) {
     const Number *number = &numbers[k];
     const char *const *part = PartsOf(number->name);
-    for (PetscInt i = 0; i < number->n; i++) *to++ = all[number->at + i];
     if (!part)
       end += snprintf(end, room - (size_t)(end - names), "%s %d\n", number->name, (int)number->n);
     for (PetscInt i = 0; part && i < number->n; i++)
       end += snprintf(end, room - (size_t)(end - names), "%s.%s 1\n", number->name, part[i]);
   }
+  (void)Give(state, value);
   PetscCall(HdfWrite(file, "/restart/state", 1, &n, value, "mixed",
                      "time, step and history of the stepper, for -restart"));
   PetscCall(HdfWriteText(file, "/restart/names", names, "what they are, and how many"));
@@ -171,10 +178,7 @@ PetscErrorCode RememberedWriteEach(HdfFile file, PetscInt n, const RestartState 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(n * RESTART_STATE, &value));
   to = value;
-  for (PetscInt r = 0; r < n; r++)
-    for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(numbers); k++)
-      for (PetscInt i = 0; i < numbers[k].n; i++)
-        *to++ = ((const PetscReal *)&state[r])[numbers[k].at + i];
+  for (PetscInt r = 0; r < n; r++) to = Give(&state[r], to);
   PetscCall(HdfWrite(file, "/restart/each", 2, dims, value, "mixed",
                      "what each rod remembers, as state has it of all"));
   PetscCall(PetscFree(value));

@@ -200,7 +200,7 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
 
   PetscFunctionBegin;
   PetscCall(OutputAttributes(file, PETSC_COMM_SELF, finished));
-  PetscCall(HdfText(file, "/", "interrupted", self->stopped));
+  PetscCall(HdfText(file, "/", "interrupted", self->each[0]->interrupted));
   PetscCall(HdfGroup(file, "/rods"));
   PetscCall(RodsText(self->rods, &text));
   PetscCall(HdfWriteText(file, "/rods/text", text, "the rods' own options, a section each"));
@@ -302,19 +302,13 @@ static PetscErrorCode TakeSet(const Several *self, const char *from, int set, Pe
 /* SeveralTake - reads what a file holds of the rods up to a time; as OutputContinue() has it. */
 PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, PetscReal interval) {
   PetscReal *times;
-  PetscInt rows, shapes, n;
+  PetscInt rows, shapes;
 
   PetscFunctionBegin;
-  PetscCall(HdfRead("-restart", from, "/series/t", 1, &n, &times));
-  rows = OutputCountUpTo(n, times, t);
-  PetscCall(PetscFree(times));
-  PetscCall(HdfRead("-restart", from, "/shapes/t", 1, &n, &times));
-  shapes = OutputCountUpTo(n, times, t);
-  if (shapes > 1 && times[shapes - 1] > t * (1 - 1e-12) && !OutputOnGrid(t, interval)) shapes--;
+  PetscCall(OutputUpTo(from, PETSC_COMM_SELF, t, interval, &rows, &shapes, &times));
   for (PetscInt k = 0; k < self->n; k++) {
     Output one = self->each[k];
     PetscCall(OutputRoom(one, rows));
-    PetscCall(PetscArrayzero(one->series, rows));
     one->series_n = rows;
     one->shapes_n = one->shapes_room = one->times_n = one->times_room = shapes;
     PetscCall(PetscMalloc1(shapes, &one->times));

@@ -16,8 +16,7 @@ typedef struct {
   char path[PETSC_MAX_PATH_LEN]; /* empty: nothing is stored */
   Rods rods;
   PetscInt n;
-  Output *each;        /* [n], kept in memory */
-  const char *stopped; /* by what the run was interrupted; empty: it was not */
+  Output *each;                                    /* [n], kept in memory */
   PetscErrorCode (*keep)(void *ctx, HdfFile file); /* what the run needs to go on from here */
   void *ctx;
   PetscLogDouble stored_at, cost;

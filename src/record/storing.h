@@ -45,7 +45,8 @@ struct _Output {
 
 PetscInt OutputShapeSize(const Output output, int set);
 PetscInt OutputCountUpTo(PetscInt n, const PetscReal times[], PetscReal t);
-PetscBool OutputOnGrid(PetscReal t, PetscReal interval);
+PetscErrorCode OutputUpTo(const char *from, MPI_Comm comm, PetscReal t, PetscReal interval,
+                          PetscInt *rows, PetscInt *shapes, PetscReal **times);
 PetscErrorCode OutputRefuseTaken(const char *option, const char *path);
 
 /* output_keep.c */

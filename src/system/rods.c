@@ -128,18 +128,8 @@ static PetscErrorCode AddRod(Rods self, const char *name, const char *file, int 
 static PetscErrorCode Say(OneRod *rod, const char *name, const char *value, const char *file,
                           int line) {
   Said *said;
-  char about[96];
-  const Said here = {.file = file, .line = line};
 
   PetscFunctionBegin;
-  About(rod, &here, about);
-  if (!OptionFind(name)) {
-    ErrorsAbout(about);
-    PetscCall(OptionsRefuse(name));
-  }
-  UserCheck(OptionOfRod(name), OptionsComm(),
-            "%s%s: is of the scene as a whole, and no rod's own; write it before the first section",
-            about, name);
   if (rod->n == rod->room) {
     rod->room = 2 * rod->room + 16;
     PetscCall(PetscRealloc((size_t)rod->room * sizeof(*rod->said), &rod->said));
@@ -148,6 +138,12 @@ static PetscErrorCode Say(OneRod *rod, const char *name, const char *value, cons
   *said = (Said){.file = file, .line = line};
   PetscCall(PetscStrallocpy(name, &said->name));
   if (value) PetscCall(PetscStrallocpy(value, &said->value));
+  ErrorsLocate(Locate, rod);
+  if (!OptionFind(name)) PetscCall(OptionsRefuse(name));
+  UserCheck(OptionOfRod(name), OptionsComm(),
+            "%s: is of the scene as a whole, and no rod's own; write it before the first section",
+            name);
+  ErrorsLocate(NULL, NULL);
   PetscFunctionReturn(0);
 }
 

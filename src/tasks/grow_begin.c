@@ -54,39 +54,44 @@ static PetscErrorCode ChooseModel(Grow *self) {
   PetscFunctionReturn(0);
 }
 
-/* A rod that slides along an edge jerks, by next to nothing, for each place of the mesh that comes
-   to it or leaves it: steps of the usual tolerance would follow that, two to four times as many,
-   and the tip be nearer by less than a hundredth of what contact's own stiffness puts it off.
-   Whether even this is finer than need be, the estimate tells (ToleranceFollow()). */
-static PetscErrorCode ChooseTolerance(Grow *self) {
-  const PetscBool touches = self->scene->contact.any;
+/*
+  GrowTolerance - reads the tolerance of steps, and what it may be eased to. Collective.
+
+  touches  can a rod touch anything?
+
+  A rod that slides along an edge jerks, by next to nothing, for each place of the mesh that comes
+  to it or leaves it: steps of the usual tolerance would follow that, two to four times as many, and
+  the tip be nearer by less than a hundredth of what contact's own stiffness puts it off. Whether
+  even this is finer than need be, the estimate tells (ToleranceFollow()).
+*/
+PetscErrorCode GrowTolerance(PetscBool touches, PetscReal *rtol, PetscReal *most) {
   PetscBool given, eased;
 
   PetscFunctionBegin;
   PetscCall(OptionGiven("-ts_rtol", &given));
   PetscCall(AccuracyTolerance());
   if (touches) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
-  PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
+  PetscCall(OptionReal("-ts_rtol", rtol, NULL));
   if (touches && !given)
-    PetscCall(OptionDefault("-contact_rtol", "%.3g", grow_rule.contact_eases * self->rtol));
-  PetscCall(OptionReal("-contact_rtol", &self->eased, &eased));
+    PetscCall(OptionDefault("-contact_rtol", "%.3g", grow_rule.contact_eases * *rtol));
+  PetscCall(OptionReal("-contact_rtol", most, &eased));
   UserCheck(touches || !eased, OptionsComm(),
             "-contact_rtol: there is nothing to touch; give -wall_file, or -contact_self");
-  UserCheck(!eased || self->eased >= self->rtol, OptionsComm(),
+  UserCheck(!eased || *most >= *rtol, OptionsComm(),
             "-contact_rtol %g: is below -ts_rtol, %g, and steps are never finer than that; give "
             "a smaller -ts_rtol",
-            (double)self->eased, (double)self->rtol);
+            (double)*most, (double)*rtol);
   /* of a run gone on with, both are as they were, but for what is given anew */
   if (!eased || (OptionOnCommandLine("-ts_rtol") && !OptionOnCommandLine("-contact_rtol")))
-    self->eased = self->rtol;
-  SceneAtTolerance(self->scene, self->rtol);
+    *most = *rtol;
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode ReadOptions(Grow *self) {
   PetscFunctionBegin;
   PetscCall(ChooseModel(self));
-  PetscCall(ChooseTolerance(self));
+  PetscCall(GrowTolerance(self->scene->contact.any, &self->rtol, &self->eased));
+  SceneAtTolerance(self->scene, self->rtol);
   PetscCall(WatchSetFromOptions(&self->watch, self->scene));
   PetscCall(OptionBool("-quiet", &self->quiet, NULL));
   if (self->member) self->quiet = PETSC_TRUE;
@@ -189,8 +194,7 @@ static PetscErrorCode GoOn(Grow *self, const char *restart, const RestartState *
     PetscCall(PetscPrintf(self->scene->comm, "goes on from t = %s of %s, into %s\n",
                           OptionBoth(state->t, UNIT_TIME, text), restart,
                           output[0] ? output : restart));
-  self->next_output = self->output_interval;
-  while (self->next_output <= state->t * (1 + 1e-12)) self->next_output += self->output_interval;
+  self->next_output = OutputNext(state->t, self->output_interval);
   PetscFunctionReturn(0);
 }
 

@@ -48,8 +48,7 @@ PetscErrorCode GrowHeading(Grow *self) {
   PetscFunctionBegin;
   length = LengthUnit(self, &factor);
   time = TimeUnit(self, &factor);
-  PetscCall(PetscTime(&self->begin));
-  self->reported = self->begin;
+  PetscCall(GrowPaceBegin(&self->pace));
   if (!self->quiet) PetscCall(OptionsTellPlain());
   if (!self->quiet)
     PetscCall(ScalesTell(self->scene, &self->scene->mesh, "-rod_cells", self->scene->mesh.cells,
@@ -87,22 +86,39 @@ PetscErrorCode GrowShared(Grow *self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* GrowProgress - a line every tenth of the run, and every second. Collective. */
+/* GrowPaceBegin - a run begins now. */
+PetscErrorCode GrowPaceBegin(Pace *self) {
+  PetscFunctionBegin;
+  PetscCall(PetscTime(&self->begin));
+  self->reported = self->begin;
+  PetscFunctionReturn(0);
+}
+
+/* GrowPaceDue - is a line of progress due: every tenth of the run, and every second, and where it
+   is over? left: the time that is left, where that can be told. */
+PetscBool GrowPaceDue(Pace *self, PetscReal start, PetscReal t, PetscReal end, PetscBool last,
+                      char left[32]) {
+  PetscLogDouble now;
+
+  left[0] = 0;
+  if (PetscTime(&now)) return last;
+  if (!last && now - self->reported < 1 && t < self->next) return PETSC_FALSE;
+  self->reported = now;
+  self->next = t + end / 10;
+  if (now - self->begin > 0.5 && t > start + 0.02 * end && !last)
+    (void)snprintf(left, 32, "%9.1f s", (now - self->begin) * (end - t) / (t - start));
+  return PETSC_TRUE;
+}
+
+/* GrowProgress - a line where one is due. Collective. */
 PetscErrorCode GrowProgress(Grow *self, PetscBool last) {
   const Observation *seen = &self->seen;
-  PetscReal end = self->end, time, length;
-  PetscLogDouble now;
-  char left[32] = "";
+  PetscReal time, length;
+  char left[32];
 
   PetscFunctionBegin;
-  if (self->quiet) PetscFunctionReturn(0);
-  PetscCall(PetscTime(&now));
-  if (!last && now - self->reported < 1 && seen->t < self->report_at) PetscFunctionReturn(0);
-  self->reported = now;
-  self->report_at = seen->t + end / 10;
-  if (now - self->begin > 0.5 && seen->t > self->start + 0.02 * end && !last)
-    (void)snprintf(left, sizeof(left), "%9.1f s",
-                   (now - self->begin) * (end - seen->t) / (seen->t - self->start));
+  if (self->quiet || !GrowPaceDue(&self->pace, self->start, seen->t, self->end, last, left))
+    PetscFunctionReturn(0);
   (void)TimeUnit(self, &time);
   (void)LengthUnit(self, &length);
   PetscCall(PetscPrintf(self->scene->comm, "%10.4f %10.4f %12.4e %10.2e %7d %8s %s\n",
@@ -481,7 +497,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellLaboratory(self));
   PetscCall(TellClamp(self));
   PetscCall(PetscPrintf(self->scene->comm, "%d steps, %d rejected, %d Newton iterations, %.3f s; ",
-                        (int)steps, (int)counted[1], (int)counted[0], now - self->begin));
+                        (int)steps, (int)counted[1], (int)counted[0], now - self->pace.begin));
   PetscCall(TellErrors(self, self->kept.snaps));
   PetscCall(TellSides(self));
   PetscCall(TellPlane(self));

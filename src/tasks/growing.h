@@ -18,6 +18,12 @@ enum {
 
 typedef struct _Sensitivities *Sensitivities;
 
+/* When lines of progress are printed. */
+typedef struct {
+  PetscLogDouble begin, reported; /* the run, and the latest of them, by the clock */
+  PetscReal next;                 /* time of the run at which one is due */
+} Pace;
+
 typedef struct {
   Scene scene;
   Member *member;           /* NULL: the run is no sweep's */
@@ -43,7 +49,6 @@ typedef struct {
   PetscReal rtol, output_interval, next_output;
   PetscReal eased;        /* what rtol may be at most, as the estimate says */
   PetscReal stored_shape; /* time of the latest shape handed to the output */
-  PetscReal report_at;    /* time of the next progress line */
   PetscInt iterations;    /* of the leg so far */
   PetscReal counted[2];   /* iterations and rejected tries of the runs that it goes on with */
   PetscReal neglects;     /* part that the linear model leaves out, or would, now */
@@ -51,7 +56,7 @@ typedef struct {
   Remembered kept;     /* what who goes on with the run must know, besides */
   PetscBool quiet, beyond; /* beyond: the linear model has left its range */
   int stopped;             /* the signal that all ranks have agreed to stop on */
-  PetscLogDouble begin, reported;
+  Pace pace;
   Watch watch;
   PetscReal shared;  /* viscous share of friction that has been told, see LoadShareMore() */
   PetscBool slips;   /* it does all the same, without end: the run ends for that */
@@ -77,6 +82,7 @@ PetscErrorCode GrowSave(Grow *self, const char *path, PetscReal t, PetscReal now
 /* grow_begin.c */
 PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart);
 PetscErrorCode GrowDestroy(Grow *self);
+PetscErrorCode GrowTolerance(PetscBool touches, PetscReal *rtol, PetscReal *most);
 
 /* grow_start.c */
 PetscErrorCode GrowCheckStart(Grow *self);
@@ -138,6 +144,9 @@ PetscErrorCode GrowTellJam(Grow *self, PetscBool gave_up, char line[], size_t ro
 PetscErrorCode GrowFindEnd(Grow *self);
 PetscErrorCode GrowHeading(Grow *self);
 PetscErrorCode GrowShared(Grow *self, PetscReal t);
+PetscErrorCode GrowPaceBegin(Pace *pace);
+PetscBool GrowPaceDue(Pace *pace, PetscReal start, PetscReal t, PetscReal end, PetscBool last,
+                      char left[32]);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
 PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]);
 PetscErrorCode GrowSummary(Grow *self);

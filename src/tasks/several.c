@@ -22,14 +22,12 @@ typedef struct {
   RestartState *own;   /* and of each */
   OptionWords words;   /* the sections of that file */
   PetscReal end, rtol, eased, start, interval, next_output, stored_shape, t;
-  PetscReal way, report_at;
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
   int stopped;
-  char interrupted[64];
   TSConvergedReason reason;
-  PetscLogDouble begin, reported;
+  Pace pace;
 } Run;
 
 /* SeveralAsked - has the scene several rods, or the run that is gone on with? */
@@ -78,10 +76,9 @@ static PetscErrorCode MakeScene(Run *self, PetscInt k) {
   PetscFunctionReturn(0);
 }
 
-/* Can any rod touch something, by what is given? Steps are coarser then, and may be eased, as for a
-   rod alone (grow_begin.c). */
+/* As of a rod alone; can any touch something, by what is given? */
 static PetscErrorCode ReadTolerance(Run *self) {
-  PetscBool touches = PETSC_FALSE, given, eased;
+  PetscBool touches = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && !touches; k++) {
@@ -89,15 +86,7 @@ static PetscErrorCode ReadTolerance(Run *self) {
     PetscCall(OptionGiven("-wall_file", &touches));
     PetscCall(RodsLeave(self->rods));
   }
-  PetscCall(OptionGiven("-ts_rtol", &given));
-  if (touches) PetscCall(OptionDefault("-ts_rtol", "1e-5"));
-  PetscCall(OptionReal("-ts_rtol", &self->rtol, NULL));
-  if (touches && !given)
-    PetscCall(OptionDefault("-contact_rtol", "%.3g", grow_rule.contact_eases * self->rtol));
-  PetscCall(OptionReal("-contact_rtol", &self->eased, &eased));
-  UserCheck(!eased || (touches && self->eased >= self->rtol), OptionsComm(),
-            "-contact_rtol: is at least -ts_rtol, of rods that can touch a wall; take it out");
-  if (!eased) self->eased = self->rtol;
+  PetscCall(GrowTolerance(touches, &self->rtol, &self->eased));
   PetscFunctionReturn(0);
 }
 
@@ -330,8 +319,7 @@ static PetscErrorCode GoOn(Run *self) {
   self->snaps = (PetscInt)self->from.kept.snaps;
   PetscCall(PetscArraycpy(self->counted, self->from.counted, 2));
   PetscCall(SeveralTake(&self->file, self->restart, self->t, self->interval));
-  self->next_output = self->interval;
-  while (self->next_output <= self->t * (1 + 1e-12)) self->next_output += self->interval;
+  self->next_output = OutputNext(self->t, self->interval);
   if (!self->quiet)
     PetscCall(PetscPrintf(PETSC_COMM_SELF, "goes on from t = %s of %s, into %s\n",
                           OptionBoth(self->t, UNIT_TIME, text), self->restart, self->file.path));
@@ -403,18 +391,11 @@ static PetscBool ShareMore(Run *self, PetscBool again) {
 
 static PetscErrorCode Progress(Run *self, PetscBool last) {
   PetscReal length = 0, time, unit;
-  PetscLogDouble now;
-  char left[32] = "";
+  char left[32];
 
   PetscFunctionBegin;
-  if (self->quiet) PetscFunctionReturn(0);
-  PetscCall(PetscTime(&now));
-  if (!last && now - self->reported < 1 && self->t < self->report_at) PetscFunctionReturn(0);
-  self->reported = now;
-  self->report_at = self->t + self->end / 10;
-  if (now - self->begin > 0.5 && self->t > self->start + 0.02 * self->end && !last)
-    (void)snprintf(left, sizeof(left), "%9.1f s",
-                   (now - self->begin) * (self->end - self->t) / (self->t - self->start));
+  if (self->quiet || !GrowPaceDue(&self->pace, self->start, self->t, self->end, last, left))
+    PetscFunctionReturn(0);
   for (PetscInt k = 0; k < self->n; k++) length = PetscMax(length, self->each[k].seen.length);
   (void)OptionShownIn(self->end, UNIT_TIME, &time);
   (void)OptionShownIn(length, UNIT_LENGTH, &unit);
@@ -507,10 +488,11 @@ static PetscErrorCode Summary(Run *self) {
   PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
   PetscCall(PetscTime(&now));
   PetscCall(TellRods(self));
-  PetscCall(PetscPrintf(
-      PETSC_COMM_SELF, "t = %s: %d rods, %d steps, %d rejected, %d Newton iterations, %.3f s",
-      OptionBoth(self->t, UNIT_TIME, text), (int)self->n, (int)steps,
-      (int)(rejected + self->counted[1]), (int)(iterations + self->counted[0]), now - self->begin));
+  PetscCall(PetscPrintf(PETSC_COMM_SELF,
+                        "t = %s: %d rods, %d steps, %d rejected, %d Newton iterations, %.3f s",
+                        OptionBoth(self->t, UNIT_TIME, text), (int)self->n, (int)steps,
+                        (int)(rejected + self->counted[1]), (int)(iterations + self->counted[0]),
+                        now - self->pace.begin));
   if (self->snaps)
     PetscCall(
         PetscPrintf(PETSC_COMM_SELF, "; %d snap%s", (int)self->snaps, self->snaps > 1 ? "s" : ""));
@@ -554,14 +536,15 @@ static PetscErrorCode Verdict(Run *self) {
 }
 
 static PetscErrorCode Finish(Run *self) {
-  char text[64];
+  char text[2][64] = {""};
 
   PetscFunctionBegin;
   PetscCall(Summary(self));
   if (self->t != self->stored_shape) PetscCall(StoreShape(self, self->t, self->leg.U));
   if (self->stopped)
-    (void)snprintf(self->interrupted, sizeof(self->interrupted), "by signal %d at t = %.30s",
-                   self->stopped, OptionBoth(self->t, UNIT_TIME, text));
+    (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
+                   OptionBoth(self->t, UNIT_TIME, text[1]));
+  for (PetscInt k = 0; k < self->n; k++) PetscCall(OutputInterrupted(self->output[k], text[0]));
   PetscCall(SeveralStore(&self->file, self->t, (PetscBool)(self->reason == TS_CONVERGED_TIME)));
   PetscCall(Verdict(self));
   PetscFunctionReturn(0);
@@ -594,7 +577,6 @@ static PetscErrorCode Begin(Run *self) {
   self->file.rods = self->rods;
   self->file.n = self->n;
   self->file.each = self->output;
-  self->file.stopped = self->interrupted;
   self->file.keep = Keep;
   self->file.ctx = self;
   PetscCall(SeveralBegin(&self->file));
@@ -616,8 +598,7 @@ static PetscErrorCode Heading(Run *self) {
   const char *unit = OptionShownIn(self->end, UNIT_TIME, &factor);
 
   PetscFunctionBegin;
-  PetscCall(PetscTime(&self->begin));
-  self->reported = self->begin;
+  PetscCall(GrowPaceBegin(&self->pace));
   if (self->quiet) PetscFunctionReturn(0);
   PetscCall(OptionsTellPlain());
   PetscCall(PetscPrintf(PETSC_COMM_SELF, "%d rods%s%s\n%10s %10s %10s %7s %11s\n", (int)self->n,
