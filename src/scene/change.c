@@ -487,7 +487,7 @@ PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscIn
   PetscCall(PetscFree(text));
   *has = PETSC_TRUE;
   for (PetscInt i = 0; i < n && *has; i++) {
-    SpaceToLab(&scene->space, x[i], lab);
+    ScenePlaceToLab(scene, x[i], lab);
     gap = wall >= 0
               ? WallGapShifted(walls, wall, WallsDisplacement(walls, shift), x[i], half)
               : SurfaceShifted(&scene->contact.surfaces.surface[surface], t, shift, lab) - half;
