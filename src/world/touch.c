@@ -94,32 +94,23 @@ static Block AxisBlock(const Wall *wall, const WallPiece *p) {
   return block;
 }
 
-static PetscErrorCode IndexAxis(Wall *wall) {
+/* The pieces of one wall, so that a place need not look at all of them. */
+static PetscErrorCode IndexPieces(Wall *wall) {
   Block *block;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(wall->pieces, &block));
-  for (PetscInt k = 0; k < wall->pieces; k++) block[k] = AxisBlock(wall, &wall->piece[k]);
-  PetscCall(BlocksCreate(2, wall->pieces, block, &wall->axis));
+  for (PetscInt k = 0; k < wall->pieces; k++)
+    block[k] =
+        wall->kind == WALL_PATH ? AxisBlock(wall, &wall->piece[k]) : PieceBlock(&wall->piece[k]);
+  PetscCall(BlocksCreate(2, wall->pieces, block, &wall->near));
   PetscCall(PetscFree(block));
   PetscFunctionReturn(0);
 }
 
 /* Is it a conduit that rests? */
 static PetscBool IsConduit(const Wall *wall) {
-  return (PetscBool)(wall->axis && !wall->motion.any);
-}
-
-/* The pieces of a polygon that moves, so that a place need not look at all of them. */
-static PetscErrorCode IndexEdges(Wall *wall) {
-  Block *block;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(wall->pieces, &block));
-  for (PetscInt k = 0; k < wall->pieces; k++) block[k] = PieceBlock(&wall->piece[k]);
-  PetscCall(BlocksCreate(2, wall->pieces, block, &wall->edges));
-  PetscCall(PetscFree(block));
-  PetscFunctionReturn(0);
+  return (PetscBool)(wall->kind == WALL_PATH && !wall->motion.any);
 }
 
 static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x);
@@ -204,7 +195,7 @@ static PetscErrorCode MakeSquares(Walls *walls) {
   reach[n++] = 2 * size;
   for (PetscInt w = 0; w < walls->n; w++)
     if (IsConduit(&walls->wall[w])) {
-      tree[n] = walls->wall[w].axis;
+      tree[n] = walls->wall[w].near;
       reach[n++] = 1.5 * walls->wall[w].number[0];
     }
   PetscCall(SquaresCreate(size, n, tree, reach, &walls->squares));
@@ -227,12 +218,10 @@ PetscErrorCode WallsIndex(Walls *walls) {
     Wall *wall = &walls->wall[w];
     PetscBool ends =
         (PetscBool)(wall->kind == WALL_POLYGON || (wall->kind == WALL_CIRCLE && !wall->inside));
-    if (wall->kind == WALL_PATH) {
-      PetscCall(IndexAxis(wall));
-      walls->conduits++;
-    }
+    walls->conduits += wall->kind == WALL_PATH;
     if (wall->motion.any) walls->move = PETSC_TRUE;
-    if (wall->motion.any && wall->kind == WALL_POLYGON) PetscCall(IndexEdges(wall));
+    if (wall->kind == WALL_PATH || (wall->kind == WALL_POLYGON && wall->motion.any))
+      PetscCall(IndexPieces(wall));
     for (PetscInt k = 0; k < wall->pieces && wall->kind != WALL_PATH && !wall->motion.any; k++) {
       if (ends) block[walls->parts] = PieceBlock(&wall->piece[k]);
       *(ends ? &walls->part[walls->parts++] : &walls->open[walls->opens++]) = (WallPart){w, k};
@@ -247,10 +236,7 @@ PetscErrorCode WallsIndex(Walls *walls) {
 
 PetscErrorCode WallsDropIndex(Walls *walls) {
   PetscFunctionBegin;
-  for (PetscInt w = 0; w < walls->n; w++) {
-    PetscCall(BlocksDestroy(&walls->wall[w].axis));
-    PetscCall(BlocksDestroy(&walls->wall[w].edges));
-  }
+  for (PetscInt w = 0; w < walls->n; w++) PetscCall(BlocksDestroy(&walls->wall[w].near));
   PetscCall(BlocksDestroy(&walls->near_posts));
   PetscCall(BlocksDestroy(&walls->near_parts));
   PetscCall(SquaresDestroy(&walls->squares));
@@ -358,9 +344,9 @@ static void LookAtConduit(Look *look, PetscInt wall, const Block *place) {
     for (PetscInt k = 0; k < n; k++) (void)MeetConduit(k, same * look->far, look);
     return;
   }
-  BlocksNear(look->walls->wall[wall].axis, place, everywhere, MeetAxis, look);
+  BlocksNear(look->walls->wall[wall].near, place, everywhere, MeetAxis, look);
   if (look->far < everywhere)
-    BlocksNear(look->walls->wall[wall].axis, place, same * look->far, MeetConduit, look);
+    BlocksNear(look->walls->wall[wall].near, place, same * look->far, MeetConduit, look);
 }
 
 /* LookAtConduit(), by the list of a square; false: it does not reach far enough. */
@@ -431,8 +417,8 @@ static void LookAtWall(Look *look, PetscInt w) {
   look->wall = w;
   if (wall->kind == WALL_PATH)
     LookAtConduit(look, w, &place);
-  else if (wall->edges && wall->pieces > FEW)
-    BlocksNear(wall->edges, &place, Reach(look), MeetPiece, look);
+  else if (wall->near && wall->pieces > FEW)
+    BlocksNear(wall->near, &place, Reach(look), MeetPiece, look);
   else
     for (PetscInt k = 0; k < wall->pieces; k++) (void)MeetPiece(k, everywhere, look);
 }
@@ -563,7 +549,7 @@ static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x) {
   const Block place = BlockAt(2, at);
   Look look = {.walls = walls, .at = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
 
-  BlocksNear(walls->wall[conduit].axis, &place, everywhere, MeetAxis, &look);
+  BlocksNear(walls->wall[conduit].near, &place, everywhere, MeetAxis, &look);
   return look.far;
 }
 
