@@ -56,6 +56,12 @@ static void Hold(Block *block, Vector2 x) {
   BlockHold(2, block, at);
 }
 
+static Block PlaceBlock(Vector2 x) {
+  const PetscReal at[] = {x.x, x.y};
+
+  return BlockAt(2, at);
+}
+
 /* Where an arc is: within the triangle of its ends and of the corner that it rounds. */
 static Block ArcBlock(const WallPiece *p, PetscReal r) {
   const PetscReal across = PetscSqrtReal(PetscMax(0, 1 - p->reach * p->reach));
@@ -251,8 +257,7 @@ PetscErrorCode WallsDropIndex(Walls *walls) {
 /* One look from a place. */
 typedef struct {
   const Walls *walls;
-  const PetscReal *x;
-  Vector2 at; /* the same */
+  Vector2 at;
   PetscReal radius, within;
   PetscReal nearest; /* gap so far, if that is what is looked for */
   PetscInt n;        /* touches so far */
@@ -376,7 +381,7 @@ static PetscBool LookAtListed(Look *look, PetscInt wall, PetscReal reach, const 
 /* The pieces that end somewhere, by the list of a square as far as it reaches. */
 static void LookAtParts(Look *look, const int *list) {
   const Walls *walls = look->walls;
-  const Block place = BlockAt(2, look->x);
+  const Block place = PlaceBlock(look->at);
   const PetscReal reach = SquaresReach(walls->squares, 0);
   const PetscBool near = (PetscBool)(!look->touch || Reach(look) <= reach);
 
@@ -388,7 +393,7 @@ static void LookAtParts(Look *look, const int *list) {
 /* What is near to a place, by the lists of its square. */
 static void LookByLists(Look *look, const int *parts) {
   const Walls *walls = look->walls;
-  const Block place = BlockAt(2, look->x);
+  const Block place = PlaceBlock(look->at);
   const int *list = SquaresNext(parts);
   PetscInt tree = 1;
 
@@ -412,7 +417,7 @@ static PetscReal MeetPiece(PetscInt item, PetscReal reach, void *ctx) {
 /* One wall by itself. */
 static void LookAtWall(Look *look, PetscInt w) {
   const Wall *wall = &look->walls->wall[w];
-  const Block place = BlockAt(2, look->x);
+  const Block place = PlaceBlock(look->at);
 
   look->wall = w;
   if (wall->kind == WALL_PATH)
@@ -425,15 +430,11 @@ static void LookAtWall(Look *look, PetscInt w) {
 
 /* ... displaced by so much. */
 static void LookAtShifted(Look *look, PetscInt wall, Vector2 shift) {
-  const Look from = *look;
-  PetscReal y[3] = {0};
+  const Vector2 from = look->at;
 
-  look->at = Minus2(from.at, shift);
-  Put2(look->at, y);
-  look->x = y;
+  look->at = Minus2(from, shift);
   LookAtWall(look, wall);
-  look->at = from.at;
-  look->x = from.x;
+  look->at = from;
 }
 
 static void LookAtMoving(Look *look) {
@@ -445,8 +446,9 @@ static void LookAtMoving(Look *look) {
 
 static void LookAround(Look *look) {
   const Walls *walls = look->walls;
-  const Block place = BlockAt(2, look->x);
-  const int *lists = walls->squares ? SquaresAt(walls->squares, look->x) : NULL;
+  const Block place = PlaceBlock(look->at);
+  const PetscReal at[] = {look->at.x, look->at.y};
+  const int *lists = walls->squares ? SquaresAt(walls->squares, at) : NULL;
 
   if (walls->move) LookAtMoving(look);
   for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
@@ -470,8 +472,7 @@ static void LookAround(Look *look) {
 */
 PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, PetscReal within,
                     WallTouch touch[MOST_WALL_TOUCHES]) {
-  Look look = {
-      .walls = walls, .x = x, .at = From2(x), .radius = radius, .within = within, .touch = touch};
+  Look look = {.walls = walls, .at = From2(x), .radius = radius, .within = within, .touch = touch};
 
   look.nearest = everywhere;
   LookAround(&look);
@@ -486,7 +487,7 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, 
    else that. */
 PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[3], PetscReal radius,
                          PetscReal within) {
-  Look look = {.walls = walls, .x = x, .at = From2(x), .radius = radius, .nearest = within};
+  Look look = {.walls = walls, .at = From2(x), .radius = radius, .nearest = within};
 
   LookAround(&look);
   return look.nearest;
@@ -535,7 +536,7 @@ PetscInt WallsBehind(const Walls *walls, const PetscReal x[3]) {
 PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const PetscReal x[3],
                          PetscReal radius) {
   const Wall *self = &walls->wall[wall];
-  Look look = {.walls = walls, .x = x, .at = From2(x), .radius = radius, .nearest = everywhere};
+  Look look = {.walls = walls, .at = From2(x), .radius = radius, .nearest = everywhere};
 
   if (self->kind == WALL_POLYGON && InPolygon(self, Minus2(look.at, shift)) != self->inside)
     return -radius;
@@ -545,8 +546,7 @@ PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const
 
 /* How far a place is, where walls are given, from the axis of a conduit. */
 static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x) {
-  const PetscReal at[] = {x.x, x.y};
-  const Block place = BlockAt(2, at);
+  const Block place = PlaceBlock(x);
   Look look = {.walls = walls, .at = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
 
   BlocksNear(walls->wall[conduit].near, &place, everywhere, MeetAxis, &look);
