@@ -1,12 +1,13 @@
 #include "base/text.h"
 #include "base/options.h"
 
-/* TextRead - the text of a file, on all ranks; the caller frees it (PetscFree). Collective on
-   OptionsComm().
+/* TextRead - the text of a file, on all ranks, without the byte order mark that an editor may have
+   put before it; the caller frees it (PetscFree). Collective on OptionsComm().
 
    option, file  which, and the option that named it */
 PetscErrorCode TextRead(const char *option, const char *file, char **text) {
   enum { LARGEST = 1 << 24 };
+  static const char mark[] = "\xef\xbb\xbf";
   PetscMPIInt rank, size = -1;
 
   PetscFunctionBegin;
@@ -29,6 +30,8 @@ PetscErrorCode TextRead(const char *option, const char *file, char **text) {
   PetscCallMPI(MPI_Bcast(*text, size, MPI_CHAR, 0, OptionsComm()));
   (*text)[size] = 0;
   UserCheck(strlen(*text) == (size_t)size, OptionsComm(), "%s %s: is no text", option, file);
+  if (!strncmp(*text, mark, strlen(mark)))
+    (void)memmove(*text, *text + strlen(mark), (size_t)size + 1 - strlen(mark));
   PetscFunctionReturn(0);
 }
 

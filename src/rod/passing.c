@@ -67,6 +67,7 @@ typedef struct {
   const Contact *contact;
   const FootCell *cell;
   Bezier curve;
+  const Wall *wall; /* a polygon that moves, if one is looked at: the curve is as it sees it */
   PetscBool passes;
 } Looking;
 
@@ -85,27 +86,38 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
 }
 
 /* Does it cut the edge of a polygon? */
+static PetscReal MeetPiece(const WallPiece *piece, PetscReal reach, Looking *look) {
+  if (!piece->round && Cuts(look->curve, piece, 0)) look->passes = PETSC_TRUE;
+  return look->passes ? -1 : reach;
+}
+
 static PetscReal MeetPart(PetscInt item, PetscReal reach, void *ctx) {
   Looking *look = (Looking *)ctx;
   const WallPart *part = &look->contact->walls.part[item];
-  const WallPiece *piece = &look->contact->walls.wall[part->wall].piece[part->piece];
 
-  if (!piece->round && Cuts(look->curve, piece, 0)) look->passes = PETSC_TRUE;
-  return look->passes ? -1 : reach;
+  return MeetPiece(&look->contact->walls.wall[part->wall].piece[part->piece], reach, look);
+}
+
+static PetscReal MeetMovedPart(PetscInt item, PetscReal reach, void *ctx) {
+  Looking *look = (Looking *)ctx;
+
+  return MeetPiece(&look->wall->piece[item], reach, look);
 }
 
 /* ... of one that moves. */
 static void MeetMovedEdges(Looking *look) {
   const Walls *walls = &look->contact->walls;
 
-  for (PetscInt w = 0; w < walls->n; w++) {
-    const Wall *wall = &walls->wall[w];
-    Bezier moved;
-    if (!wall->motion.any || wall->kind != WALL_POLYGON) continue;
-    for (int k = 0; k < 4; k++)
-      Put2(Minus2(From2(look->curve[k]), WallShift(walls, w, walls->time)), moved[k]);
-    for (PetscInt k = 0; k < wall->pieces; k++)
-      if (!wall->piece[k].round && Cuts(moved, &wall->piece[k], 0)) look->passes = PETSC_TRUE;
+  for (PetscInt w = 0; w < walls->n && !look->passes; w++) {
+    Looking seen = {.contact = look->contact, .wall = &walls->wall[w]};
+    Vector2 shift;
+    Block block;
+    if (!seen.wall->motion.any || seen.wall->kind != WALL_POLYGON) continue;
+    shift = WallShift(walls, w, walls->time);
+    for (int k = 0; k < 4; k++) Put2(Minus2(From2(look->curve[k]), shift), seen.curve[k]);
+    block = BlockOf(seen.curve);
+    BlocksNear(seen.wall->near, &block, 0, MeetMovedPart, &seen);
+    look->passes = seen.passes;
   }
 }
 

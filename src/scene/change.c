@@ -409,6 +409,22 @@ static void Names(char all[], size_t room) {
     (void)snprintf(all + strlen(all), room - strlen(all), "%s%s", k ? ", " : "", changes[k].name);
 }
 
+/* The change of a name, refused where there is none or this scene cannot have it at t; mark: behind
+   the name in what is said. */
+static PetscErrorCode Allowed(Scene scene, const char *name, const char *mark, PetscReal t,
+                              const Change **change) {
+  const char *why;
+  char all[1024];
+
+  PetscFunctionBegin;
+  *change = Find(name);
+  Names(all, sizeof(all));
+  UserCheck(*change, scene->comm, "%s%s cannot be changed in a run; there can %s", name, mark, all);
+  why = (*change)->refuses ? (*change)->refuses(scene, t) : NULL;
+  UserCheck(!why, scene->comm, "%s%s cannot be changed in this run: %s", name, mark, why);
+  PetscFunctionReturn(0);
+}
+
 /* Takes a value apart; the caller frees the text. */
 static PetscErrorCode TakeWords(Scene scene, const Change *change, const char *value, char **text,
                                 Asked *asked) {
@@ -441,16 +457,12 @@ static PetscErrorCode Do(Scene scene, const Change *change, const char *value, P
 /* SceneMayChange - refuses what cannot be changed in a run at t, or not to this value (which, if it
    is an option's, the options have by now). Collective. */
 PetscErrorCode SceneMayChange(Scene scene, const char *name, const char *value, PetscReal t) {
-  const Change *change = Find(name);
-  const char *why = change && change->refuses ? change->refuses(scene, t) : NULL;
+  const Change *change;
   PetscErrorCode error;
-  char all[1024];
   Scene trial;
 
   PetscFunctionBegin;
-  Names(all, sizeof(all));
-  UserCheck(change, scene->comm, "%s: cannot be changed in a run; there can %s", name, all);
-  UserCheck(!why, scene->comm, "%s: cannot be changed in this run: %s", name, why);
+  PetscCall(Allowed(scene, name, ":", t, &change));
   PetscCall(SceneShare(scene, &trial));
   error = Do(trial, change, value, t, PETSC_TRUE);
   PetscCall(SceneShareEnd(&trial));
@@ -487,7 +499,7 @@ PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscIn
   PetscCall(PetscFree(text));
   *has = PETSC_TRUE;
   for (PetscInt i = 0; i < n && *has; i++) {
-    SpaceToLab(&scene->space, x[i], lab);
+    ScenePlaceToLab(scene, x[i], lab);
     gap = wall >= 0
               ? WallGapShifted(walls, wall, WallsDisplacement(walls, shift), x[i], half)
               : SurfaceShifted(&scene->contact.surfaces.surface[surface], t, shift, lab) - half;
@@ -507,16 +519,13 @@ void SceneChangeAbout(const ChangeRow *row) {
 }
 
 static PetscErrorCode CheckRow(Scene scene, const ChangeRow *row, PetscReal from) {
-  const Change *change = Find(row->what);
-  const char *why = change && change->refuses ? change->refuses(scene, row->t) : NULL;
-  char all[1024], text[64], *words = NULL;
+  const Change *change;
+  char text[64], *words = NULL;
   PetscErrorCode error;
   Asked asked;
 
   PetscFunctionBegin;
-  Names(all, sizeof(all));
-  UserCheck(change, scene->comm, "%s cannot be changed in a run; there can %s", row->what, all);
-  UserCheck(!why, scene->comm, "%s cannot be changed in this run: %s", row->what, why);
+  PetscCall(Allowed(scene, row->what, "", row->t, &change));
   UserCheck(row->t >= from, scene->comm,
             "%s %s was no change of the run that -restart goes on with at t = %s; take the row "
             "out, or begin that run anew",

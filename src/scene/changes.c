@@ -100,8 +100,7 @@ PetscErrorCode ChangesRead(Changes *changes) {
   PetscCall(PetscNew(changes));
   PetscCall(TextRead(option, file, &text));
   OptionsReadLines(option, file);
-  /* an editor may have put a byte order mark before the first line */
-  error = Lines(file, strncmp(text, "\xef\xbb\xbf", 3) ? text : text + 3, *changes);
+  error = Lines(file, text, *changes);
   OptionsAtLine(0);
   PetscCall(PetscFree(text));
   PetscCall(error);

@@ -13,6 +13,14 @@ FrictionDual *ContactDual(int dims, const Touch *touch, FrictionDual duals[]) {
   return NULL;
 }
 
+/* ContactDuals - of the duals of a place, dual, those of friction with walls, behind its first;
+   NULL: there are none. */
+FrictionDual *ContactDuals(int dims, const Contact *contact, const FrictionDual *dual) {
+  const PetscBool rub = dims == 2 ? contact->walls.rub : ContactWallsRub(contact);
+
+  return rub ? (FrictionDual *)dual + 1 : NULL;
+}
+
 /* ContactSlots - gives each of the touches of a point in space a slot, as far as there are any:
    that of another wall, which does not touch any more, is taken. */
 void ContactSlots(int dims, PetscInt n, const Touch touch[], FrictionDual slots[]) {
@@ -289,6 +297,26 @@ void ContactPushSlope(int dims, const Contact *contact, const Touch *touch, cons
   (dims == 2 ? SlopeInPlane : SlopeInSpace)(contact, touch, at, fresh, dual, push);
 }
 
+/* ContactPushAll - adds to f, times `part`, what all walls push a place with, and in space the
+   couple about its tangent; returns the power of those that move, likewise. dual: as ContactDuals()
+   has it. */
+PetscReal ContactPushAll(int dims, const Contact *contact, const Rubbed *at,
+                         const FrictionDual *dual, PetscReal part, PetscReal f[RUBS]) {
+  FrictionDual *duals = ContactDuals(dims, contact, dual);
+  Touch touch[MOST_TOUCHES];
+  PetscInt n = ContactTouches(dims, contact, at->x, touch);
+  PetscReal moved = 0;
+  Push push;
+
+  for (PetscInt k = 0; k < n; k++) {
+    ContactPush(dims, contact, &touch[k], at, ContactDual(dims, &touch[k], duals), &push);
+    for (int d = 0; d < dims; d++) f[d] += part * push.force[d];
+    if (dims == 3) f[SPIN] += part * push.couple;
+    if (touch[k].moves) moved += part * Dot3(push.force, touch[k].v);
+  }
+  return moved;
+}
+
 /* ContactHoldTouch - moves what holds a place of the rod at one wall (exact Coulomb friction), over
    a shift of `hold` at most; returns the speed at which it creeps, which counts the less the less
    it is pressed. */
@@ -307,13 +335,16 @@ PetscReal ContactHoldTouch(int dims, const Contact *contact, const Touch *touch,
   return PetscMin(1, mu * p) * speed;
 }
 
-/* ContactHold - the same at all walls that a place touches. */
+/* ContactHold - the same at all walls that a place touches. dual: as ContactDuals() has it. */
 PetscReal ContactHold(int dims, const Contact *contact, const Rubbed *at, PetscReal seen,
-                      FrictionDual duals[]) {
+                      FrictionDual *dual) {
+  FrictionDual *duals = ContactDuals(dims, contact, dual);
   Touch touch[MOST_TOUCHES];
-  PetscInt n = ContactTouches(dims, contact, at->x, touch);
   PetscReal creep = 0;
+  PetscInt n;
 
+  if (!duals) return 0;
+  n = ContactTouches(dims, contact, at->x, touch);
   ContactSlots(dims, n, touch, duals);
   for (PetscInt k = 0; k < n; k++)
     creep =

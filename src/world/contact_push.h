@@ -97,9 +97,12 @@ void ContactPush(int dims, const Contact *contact, const Touch *touch, const Rub
                  const FrictionDual *dual, Push *push);
 void ContactPushSlope(int dims, const Contact *contact, const Touch *touch, const Rubbed *at,
                       PetscBool fresh, FrictionDual *dual, Push *push);
+FrictionDual *ContactDuals(int dims, const Contact *contact, const FrictionDual *dual);
+PetscReal ContactPushAll(int dims, const Contact *contact, const Rubbed *at,
+                         const FrictionDual *dual, PetscReal part, PetscReal f[RUBS]);
 PetscReal ContactHoldTouch(int dims, const Contact *contact, const Touch *touch, const Rubbed *at,
                            PetscReal seen, PetscReal hold, FrictionDual *dual);
 PetscReal ContactHold(int dims, const Contact *contact, const Rubbed *at, PetscReal seen,
-                      FrictionDual duals[]);
+                      FrictionDual *dual);
 
 #endif

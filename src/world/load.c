@@ -189,35 +189,19 @@ PetscBool LoadInSpace(const Load *load) {
   return FieldInSpace(load->field);
 }
 
-/* Of the duals of a place those of friction with walls; NULL: there are none. */
-static FrictionDual *WallDuals(int dims, const Load *load, const FrictionDual *dual) {
-  return (dims == 2 ? load->duals : load->duals3) > 1 ? (FrictionDual *)dual + 1 : NULL;
-}
-
 /* LoadForceWalls - takes off f what walls push with; returns the power of those that move. */
 PetscReal LoadForceWalls(int dims, const Load *load, const Place *at, const FrictionDual *dual,
                          PetscReal f[RUBS]) {
-  FrictionDual *duals = WallDuals(dims, load, dual);
   const Rubbed rubbed = LoadRubbed(load, at);
-  Touch touch[MOST_TOUCHES];
-  PetscInt n = ContactTouches(dims, load->walls, at->x, touch);
-  PetscReal moved = 0;
-  Push push;
 
-  for (PetscInt k = 0; k < n; k++) {
-    ContactPush(dims, load->walls, &touch[k], &rubbed, ContactDual(dims, &touch[k], duals), &push);
-    for (int d = 0; d < dims; d++) f[d] -= push.force[d];
-    if (dims == 3) f[SPIN] -= push.couple;
-    if (touch[k].moves) moved += Dot3(push.force, touch[k].v);
-  }
-  return moved;
+  return -ContactPushAll(dims, load->walls, &rubbed, dual, -1, f);
 }
 
 /* LoadSlopeWalls - the same for the slopes. */
 void LoadSlopeWalls(int dims, const Load *load, const Place *at, PetscBool fresh,
                     FrictionDual *dual, LoadSlope *slope) {
   const int rubs = LoadRubs(dims);
-  FrictionDual *duals = WallDuals(dims, load, dual);
+  FrictionDual *duals = ContactDuals(dims, load->walls, dual);
   const Rubbed rubbed = LoadRubbed(load, at);
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(dims, load->walls, at->x, touch);
@@ -257,14 +241,13 @@ void LoadParts(int dims, const Load *load, const Place *at, const FrictionDual *
 /* LoadHold - moves what holds a sticking place; returns the speed at which it creeps. */
 PetscReal LoadHold(int dims, const Load *load, const Place *at, PetscReal seen,
                    FrictionDual dual[]) {
-  FrictionDual *duals = WallDuals(dims, load, dual);
   const Rubbed rubbed = LoadRubbed(load, at);
   PetscReal W[RUBS], creep;
 
   LoadFelt(dims, load, at, W);
   creep = FrictionHold(LoadRubs(dims), W, seen, friction_hold, dual);
-  if (!duals) return creep;
-  return LargerOf(creep, ContactHold(dims, load->walls, &rubbed, seen, duals));
+  if (!load->walls) return creep;
+  return LargerOf(creep, ContactHold(dims, load->walls, &rubbed, seen, dual));
 }
 
 static const PetscReal nearly_dry = 1e-4; /* 1 - mu up to here: a rod may snap */

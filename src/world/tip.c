@@ -88,13 +88,6 @@ PetscErrorCode TipDestroy(Tip *tip) {
   PetscFunctionReturn(0);
 }
 
-/* Of the duals of the tip those of friction with walls; NULL: there are none. */
-static FrictionDual *WallDuals(int dims, const Tip *tip, const FrictionDual *dual) {
-  const Contact *walls = tip->walls;
-
-  return (dims == 2 ? walls->walls.rub : ContactWallsRub(walls)) ? (FrictionDual *)dual + 1 : NULL;
-}
-
 static Rubbed RubbedOf(const TipState *at) {
   return (Rubbed){at->at.x, at->at.q, at->at.v, at->spin};
 }
@@ -104,23 +97,9 @@ static Rubbed RubbedOf(const TipState *at) {
 PetscReal TipWalls(int dims, const Tip *tip, const TipState *at, const FrictionDual *dual,
                    PetscReal f[RUBS]) {
   const Rubbed rubbed = RubbedOf(at);
-  Touch touch[MOST_TOUCHES];
-  FrictionDual *duals;
-  PetscReal moved = 0, l;
-  PetscInt n;
-  Push push;
 
   if (!tip->walls || tip->type != TIP_FREE) return 0;
-  l = tip->walls->tip;
-  duals = WallDuals(dims, tip, dual);
-  n = ContactTouches(dims, tip->walls, at->at.x, touch);
-  for (PetscInt k = 0; k < n; k++) {
-    ContactPush(dims, tip->walls, &touch[k], &rubbed, ContactDual(dims, &touch[k], duals), &push);
-    for (int d = 0; d < dims; d++) f[d] += l * push.force[d];
-    if (dims == 3) f[SPIN] += l * push.couple;
-    if (touch[k].moves) moved += l * Dot3(push.force, touch[k].v);
-  }
-  return moved;
+  return ContactPushAll(dims, tip->walls, &rubbed, dual, tip->walls->tip, f);
 }
 
 /* Takes its derivatives off J in the plane, the condition being n - f = 0. */
@@ -129,7 +108,7 @@ static void PushWallsSlope(const Tip *tip, const TipState *at, const PetscReal s
   enum { DIMS = 2 };
   const Rubbed rubbed = RubbedOf(at);
   const PetscReal l = tip->walls->tip;
-  FrictionDual *duals = WallDuals(DIMS, tip, dual);
+  FrictionDual *duals = ContactDuals(DIMS, tip->walls, dual);
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(DIMS, tip->walls, at->at.x, touch);
   Push push;
@@ -327,7 +306,7 @@ static void PushWallsSlope3(const Tip *tip, const TipState *at,
                             FrictionDual *dual, PetscReal J[TIP_ROWS3][TIP_FIELDS3]) {
   enum { P = 3 };
   const Rubbed rubbed = RubbedOf(at);
-  FrictionDual *slots = WallDuals(3, tip, dual);
+  FrictionDual *slots = ContactDuals(3, tip->walls, dual);
   Touch touch[MOST_TOUCHES];
   PetscInt n = ContactTouches(3, tip->walls, at->at.x, touch);
   PetscReal by[RUBS][TIP_FIELDS3], l = tip->walls->tip;
@@ -405,8 +384,7 @@ PetscReal TipHold(int dims, const Tip *tip, const TipState *at, PetscReal seen,
 
   if (tip->type != TIP_FREE) return 0;
   if (TipResists(tip)) creep = FrictionHold(LoadRubs(dims), unspun.v, seen, friction_hold, dual);
-  if (tip->walls && WallDuals(dims, tip, dual))
-    creep = LargerOf(creep, ContactHold(dims, tip->walls, &rubbed, seen, dual + 1));
+  if (tip->walls) creep = LargerOf(creep, ContactHold(dims, tip->walls, &rubbed, seen, dual));
   return creep;
 }
 

@@ -56,6 +56,12 @@ static void Hold(Block *block, Vector2 x) {
   BlockHold(2, block, at);
 }
 
+static Block PlaceBlock(Vector2 x) {
+  const PetscReal at[] = {x.x, x.y};
+
+  return BlockAt(2, at);
+}
+
 /* Where an arc is: within the triangle of its ends and of the corner that it rounds. */
 static Block ArcBlock(const WallPiece *p, PetscReal r) {
   const PetscReal across = PetscSqrtReal(PetscMax(0, 1 - p->reach * p->reach));
@@ -94,32 +100,23 @@ static Block AxisBlock(const Wall *wall, const WallPiece *p) {
   return block;
 }
 
-static PetscErrorCode IndexAxis(Wall *wall) {
+/* The pieces of one wall, so that a place need not look at all of them. */
+static PetscErrorCode IndexPieces(Wall *wall) {
   Block *block;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(wall->pieces, &block));
-  for (PetscInt k = 0; k < wall->pieces; k++) block[k] = AxisBlock(wall, &wall->piece[k]);
-  PetscCall(BlocksCreate(2, wall->pieces, block, &wall->axis));
+  for (PetscInt k = 0; k < wall->pieces; k++)
+    block[k] =
+        wall->kind == WALL_PATH ? AxisBlock(wall, &wall->piece[k]) : PieceBlock(&wall->piece[k]);
+  PetscCall(BlocksCreate(2, wall->pieces, block, &wall->near));
   PetscCall(PetscFree(block));
   PetscFunctionReturn(0);
 }
 
 /* Is it a conduit that rests? */
 static PetscBool IsConduit(const Wall *wall) {
-  return (PetscBool)(wall->axis && !wall->motion.any);
-}
-
-/* The pieces of a polygon that moves, so that a place need not look at all of them. */
-static PetscErrorCode IndexEdges(Wall *wall) {
-  Block *block;
-
-  PetscFunctionBegin;
-  PetscCall(PetscMalloc1(wall->pieces, &block));
-  for (PetscInt k = 0; k < wall->pieces; k++) block[k] = PieceBlock(&wall->piece[k]);
-  PetscCall(BlocksCreate(2, wall->pieces, block, &wall->edges));
-  PetscCall(PetscFree(block));
-  PetscFunctionReturn(0);
+  return (PetscBool)(wall->kind == WALL_PATH && !wall->motion.any);
 }
 
 static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x);
@@ -204,7 +201,7 @@ static PetscErrorCode MakeSquares(Walls *walls) {
   reach[n++] = 2 * size;
   for (PetscInt w = 0; w < walls->n; w++)
     if (IsConduit(&walls->wall[w])) {
-      tree[n] = walls->wall[w].axis;
+      tree[n] = walls->wall[w].near;
       reach[n++] = 1.5 * walls->wall[w].number[0];
     }
   PetscCall(SquaresCreate(size, n, tree, reach, &walls->squares));
@@ -227,12 +224,10 @@ PetscErrorCode WallsIndex(Walls *walls) {
     Wall *wall = &walls->wall[w];
     PetscBool ends =
         (PetscBool)(wall->kind == WALL_POLYGON || (wall->kind == WALL_CIRCLE && !wall->inside));
-    if (wall->kind == WALL_PATH) {
-      PetscCall(IndexAxis(wall));
-      walls->conduits++;
-    }
+    walls->conduits += wall->kind == WALL_PATH;
     if (wall->motion.any) walls->move = PETSC_TRUE;
-    if (wall->motion.any && wall->kind == WALL_POLYGON) PetscCall(IndexEdges(wall));
+    if (wall->kind == WALL_PATH || (wall->kind == WALL_POLYGON && wall->motion.any))
+      PetscCall(IndexPieces(wall));
     for (PetscInt k = 0; k < wall->pieces && wall->kind != WALL_PATH && !wall->motion.any; k++) {
       if (ends) block[walls->parts] = PieceBlock(&wall->piece[k]);
       *(ends ? &walls->part[walls->parts++] : &walls->open[walls->opens++]) = (WallPart){w, k};
@@ -247,10 +242,7 @@ PetscErrorCode WallsIndex(Walls *walls) {
 
 PetscErrorCode WallsDropIndex(Walls *walls) {
   PetscFunctionBegin;
-  for (PetscInt w = 0; w < walls->n; w++) {
-    PetscCall(BlocksDestroy(&walls->wall[w].axis));
-    PetscCall(BlocksDestroy(&walls->wall[w].edges));
-  }
+  for (PetscInt w = 0; w < walls->n; w++) PetscCall(BlocksDestroy(&walls->wall[w].near));
   PetscCall(BlocksDestroy(&walls->near_posts));
   PetscCall(BlocksDestroy(&walls->near_parts));
   PetscCall(SquaresDestroy(&walls->squares));
@@ -265,8 +257,7 @@ PetscErrorCode WallsDropIndex(Walls *walls) {
 /* One look from a place. */
 typedef struct {
   const Walls *walls;
-  const PetscReal *x;
-  Vector2 at; /* the same */
+  Vector2 at;
   PetscReal radius, within;
   PetscReal nearest; /* gap so far, if that is what is looked for */
   PetscInt n;        /* touches so far */
@@ -358,9 +349,9 @@ static void LookAtConduit(Look *look, PetscInt wall, const Block *place) {
     for (PetscInt k = 0; k < n; k++) (void)MeetConduit(k, same * look->far, look);
     return;
   }
-  BlocksNear(look->walls->wall[wall].axis, place, everywhere, MeetAxis, look);
+  BlocksNear(look->walls->wall[wall].near, place, everywhere, MeetAxis, look);
   if (look->far < everywhere)
-    BlocksNear(look->walls->wall[wall].axis, place, same * look->far, MeetConduit, look);
+    BlocksNear(look->walls->wall[wall].near, place, same * look->far, MeetConduit, look);
 }
 
 /* LookAtConduit(), by the list of a square; false: it does not reach far enough. */
@@ -390,7 +381,7 @@ static PetscBool LookAtListed(Look *look, PetscInt wall, PetscReal reach, const 
 /* The pieces that end somewhere, by the list of a square as far as it reaches. */
 static void LookAtParts(Look *look, const int *list) {
   const Walls *walls = look->walls;
-  const Block place = BlockAt(2, look->x);
+  const Block place = PlaceBlock(look->at);
   const PetscReal reach = SquaresReach(walls->squares, 0);
   const PetscBool near = (PetscBool)(!look->touch || Reach(look) <= reach);
 
@@ -402,7 +393,7 @@ static void LookAtParts(Look *look, const int *list) {
 /* What is near to a place, by the lists of its square. */
 static void LookByLists(Look *look, const int *parts) {
   const Walls *walls = look->walls;
-  const Block place = BlockAt(2, look->x);
+  const Block place = PlaceBlock(look->at);
   const int *list = SquaresNext(parts);
   PetscInt tree = 1;
 
@@ -426,28 +417,24 @@ static PetscReal MeetPiece(PetscInt item, PetscReal reach, void *ctx) {
 /* One wall by itself. */
 static void LookAtWall(Look *look, PetscInt w) {
   const Wall *wall = &look->walls->wall[w];
-  const Block place = BlockAt(2, look->x);
+  const Block place = PlaceBlock(look->at);
 
   look->wall = w;
   if (wall->kind == WALL_PATH)
     LookAtConduit(look, w, &place);
-  else if (wall->edges && wall->pieces > FEW)
-    BlocksNear(wall->edges, &place, Reach(look), MeetPiece, look);
+  else if (wall->near && wall->pieces > FEW)
+    BlocksNear(wall->near, &place, Reach(look), MeetPiece, look);
   else
     for (PetscInt k = 0; k < wall->pieces; k++) (void)MeetPiece(k, everywhere, look);
 }
 
 /* ... displaced by so much. */
 static void LookAtShifted(Look *look, PetscInt wall, Vector2 shift) {
-  const Look from = *look;
-  PetscReal y[3] = {0};
+  const Vector2 from = look->at;
 
-  look->at = Minus2(from.at, shift);
-  Put2(look->at, y);
-  look->x = y;
+  look->at = Minus2(from, shift);
   LookAtWall(look, wall);
-  look->at = from.at;
-  look->x = from.x;
+  look->at = from;
 }
 
 static void LookAtMoving(Look *look) {
@@ -459,8 +446,9 @@ static void LookAtMoving(Look *look) {
 
 static void LookAround(Look *look) {
   const Walls *walls = look->walls;
-  const Block place = BlockAt(2, look->x);
-  const int *lists = walls->squares ? SquaresAt(walls->squares, look->x) : NULL;
+  const Block place = PlaceBlock(look->at);
+  const PetscReal at[] = {look->at.x, look->at.y};
+  const int *lists = walls->squares ? SquaresAt(walls->squares, at) : NULL;
 
   if (walls->move) LookAtMoving(look);
   for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
@@ -484,8 +472,7 @@ static void LookAround(Look *look) {
 */
 PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, PetscReal within,
                     WallTouch touch[MOST_WALL_TOUCHES]) {
-  Look look = {
-      .walls = walls, .x = x, .at = From2(x), .radius = radius, .within = within, .touch = touch};
+  Look look = {.walls = walls, .at = From2(x), .radius = radius, .within = within, .touch = touch};
 
   look.nearest = everywhere;
   LookAround(&look);
@@ -500,7 +487,7 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, 
    else that. */
 PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[3], PetscReal radius,
                          PetscReal within) {
-  Look look = {.walls = walls, .x = x, .at = From2(x), .radius = radius, .nearest = within};
+  Look look = {.walls = walls, .at = From2(x), .radius = radius, .nearest = within};
 
   LookAround(&look);
   return look.nearest;
@@ -549,7 +536,7 @@ PetscInt WallsBehind(const Walls *walls, const PetscReal x[3]) {
 PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const PetscReal x[3],
                          PetscReal radius) {
   const Wall *self = &walls->wall[wall];
-  Look look = {.walls = walls, .x = x, .at = From2(x), .radius = radius, .nearest = everywhere};
+  Look look = {.walls = walls, .at = From2(x), .radius = radius, .nearest = everywhere};
 
   if (self->kind == WALL_POLYGON && InPolygon(self, Minus2(look.at, shift)) != self->inside)
     return -radius;
@@ -559,11 +546,10 @@ PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const
 
 /* How far a place is, where walls are given, from the axis of a conduit. */
 static PetscReal FromAxis(const Walls *walls, PetscInt conduit, Vector2 x) {
-  const PetscReal at[] = {x.x, x.y};
-  const Block place = BlockAt(2, at);
+  const Block place = PlaceBlock(x);
   Look look = {.walls = walls, .at = x, .nearest = everywhere, .wall = conduit, .far = everywhere};
 
-  BlocksNear(walls->wall[conduit].axis, &place, everywhere, MeetAxis, &look);
+  BlocksNear(walls->wall[conduit].near, &place, everywhere, MeetAxis, &look);
   return look.far;
 }
 

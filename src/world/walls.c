@@ -562,8 +562,6 @@ static PetscErrorCode ReadLines(Maker *self, char *text, PetscReal friction, Wal
   char **word, *line, *next;
 
   PetscFunctionBegin;
-  /* an editor may have put a byte order mark before the first line */
-  if (!strncmp(text, "\xef\xbb\xbf", 3)) text += 3;
   for (const char *c = text; *c; c++) {
     lines += *c == '\n';
     at = *c == '\n' ? 0 : at + 1;

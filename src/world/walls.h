@@ -41,9 +41,9 @@ typedef struct {
   PetscReal *number; /* as given, in the laboratory; a path's first is its radius */
   PetscInt pieces;
   WallPiece *piece;     /* in the clamp's frame */
-  Blocks axis;          /* conduit: where its axis is, piece by piece */
+  Blocks near;          /* its pieces: where the axis of a conduit is beside each; of a polygon that
+                           moves, where they are; of others NULL */
   SurfaceMotion motion; /* it does not turn */
-  Blocks edges;         /* of a polygon that moves: where its pieces are */
 } Wall;
 
 /* What stands out of a wall and is round, of radius r, or sharp, r = 0: all of the circle is behind

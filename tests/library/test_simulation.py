@@ -353,6 +353,15 @@ class Played(unittest.TestCase):
                     sim.set("wall_at", value)
             sim.set("wall_at", "1 -28.7mm -9.55mm")
 
+    def test_a_surface_is_not_put_where_the_rod_is_wherever_the_clamp_is(self):
+        with tempfile.TemporaryDirectory() as directory:
+            walls = Path(directory) / "walls.txt"
+            walls.write_text("sphere 0.5 0 5  0.2 outside\n")
+            sim = tendril.Simulation(rod_model="space", clamp_place="0,5,0", rod_cells=40, contact_diameter=0.02, wall_file=str(walls))
+            with self.assertRaisesRegex(tendril.RunError, "the rod is there"):
+                sim.set("wall_at", "1 -0.4 5 -5")
+            sim.set("wall_at", "1 -0.4 0 -5")
+
     def test_a_change_before_a_restart_is_one_of_that_run(self):
         with tempfile.TemporaryDirectory() as directory:
             half, table = os.path.join(directory, "half.h5"), os.path.join(directory, "changes.txt")
