@@ -234,6 +234,35 @@ class Sessions(unittest.TestCase):
                 rows = np.column_stack([session.sim.series[name] for name in session.names])
                 self.assertEqual(differs(place / "again" / "again.opts", session.names, rows)[0], 0)
 
+    def test_a_lamp_is_where_it_was_put_also_when_it_is_gone_back(self):
+        from tendril.playing import prepare
+        from tendril.sessions import Session
+
+        with tempfile.TemporaryDirectory() as directory:
+            shoot = dict(growth_type="uniform", growth_initial_length=0.5, tropism_light=3, tropism_source="4,1", friction_mu=0, shape_type="straight",
+                         ts_max_time=1.5, rod_cells=40)
+            session, ends = Session(prepare(None, shoot, directory), Path(directory)), []
+            self.assertEqual(session.whole()["lamp"], [4, 1, 0])
+            for place, t in (([3, 2], 0.3), ([4, -1], 0.6)):
+                while session.sim.t < t:
+                    session.step()
+                    session.look()
+                session.obey({"do": "lamp", "place": place})
+                self.assertEqual(session.whole()["lamp"], [*place, 0])
+                ends.append(session.sim.t)
+            while not session.branch.ended:
+                session.step()
+                session.look()
+            self.assertLess(session.sim.theta[-1], 0)
+            self.assertEqual([[float(x) for x in c[2].split(",")] for c in session.branch.all_changes()], [[3, 2], [4, -1]])
+            session.obey({"do": "back", "t": 0.5 * sum(ends)})
+            session.step()
+            self.assertEqual(session.whole()["lamp"], [3, 2, 0])
+            while not session.branch.ended:
+                session.step()
+                session.look()
+            self.assertGreater(session.sim.theta[-1], 0)
+
     def test_a_saved_scene_has_all_files_that_its_walls_name(self):
         from tendril.playing import prepare, save_scene
 
@@ -300,6 +329,7 @@ class Command(unittest.TestCase):
     def test_a_server_that_is_killed_leaves_the_run_so_far(self):
         with tempfile.TemporaryDirectory() as directory:
             process, address = started("feed", results=directory)
+            self.addCleanup(process.kill)
             file = Path(directory) / "feed-so-far.h5"
             with connect(address.replace("http", "ws").replace("/?", "/ws?"), max_size=None) as socket:
                 told(socket, "whole")
@@ -307,10 +337,18 @@ class Command(unittest.TestCase):
                 socket.send(json.dumps({"do": "run"}))
                 while not file.exists():
                     told(socket, "frame")
+                first, begun = file.stat().st_ino, tendril.Simulation.load(file).t
+                end = time.monotonic() + 60
+                while file.stat().st_ino == first:  # a later state takes its place
+                    self.assertLess(time.monotonic(), end)
+                    told(socket, "frame")
             process.kill()
             process.communicate(timeout=60)
             on = tendril.Simulation.load(file)
-            self.assertTrue(on.t > 0 and on.step())
+            self.assertGreater(on.t, begun)
+            self.assertGreater(begun, 0)
+            self.assertAlmostEqual(on.series["length"][-1], 2 + on.t, delta=1e-9)
+            self.assertTrue(on.step())
 
     def test_each_scene_of_the_gallery_can_be_begun(self):
         from tendril.playing import prepare
@@ -451,21 +489,53 @@ class Watching(unittest.TestCase):
     FEW = dict(growth_type="feed", growth_initial_length=1, rod_cells=30, ts_max_time=1, progress=False)
 
     def test_members_of_a_sweep_are_told_once_each(self):
-        for more in ({}, {"rod_curvature_2": 0.01}):  # these, in space, have a process each
+        for more, space in (({}, False), ({"rod_model": "space"}, False), ({"rod_curvature_2": 0.01}, True)):  # in space they have a process each
             messages = []
             found = tendril.sweep(None, self.OVER, jobs=1, watch=messages.append, **self.FEW, **more)
             json.dumps(messages, allow_nan=False)
             self.assertEqual([m["kind"] for m in messages], ["study", *6 * ["member"], "ended"])
             self.assertEqual([[axis["name"], axis["texts"], axis["numbers"]] for axis in messages[0]["axes"]],
                              [["friction_mu", ["0", "0.5", "7"], [0, 0.5, 7]], ["rod_curvature", ["0.05", "0.2"], [0.05, 0.2]]])
+            self.assertEqual([tuple(point) for point in messages[0]["points"]], [(i, j) for i in range(3) for j in range(2)])
             self.assertEqual(sorted(m["k"] for m in messages[1:-1]), list(range(6)))
             for m in messages[1:-1]:
                 r = found.members.flat[m["k"]]
                 if m["k"] < 4:
                     self.assertEqual((m["failed"], m["values"]["energy"]), ("", r.series["energy"][-1]))
-                    self.assertEqual(len(np.frombuffer(base64.b64decode(m["x"]), "<f4")), 3 * 31)
+                    x, last = np.frombuffer(base64.b64decode(m["x"]), "<f4").reshape(31, 3), r.shapes["x"][-1].astype("<f4")
+                    np.testing.assert_array_equal(x[:, :last.shape[1]], last)
+                    self.assertEqual((m["space"], bool(x[:, 2].any())), (space, space))
+                    self.assertEqual(m["seconds"], None if more else float(found.seconds[m["k"]]))
                 else:
                     self.assertIn("friction_mu 7", m["failed"])
+
+    def test_a_member_that_is_looked_at_again_is_not_told_again(self):
+        from tendril.sweep_seen import SweepSeen
+
+        messages = []
+        found = tendril.sweep(None, self.OVER, jobs=1, **self.FEW)
+        seen = SweepSeen(messages.append, None, self.OVER)
+        for status in ([1, 0, 0, 1, 0, 0], found.status, found.status):  # as its file has it while it goes on
+            whole, found.status = found.status, np.array(status)
+            seen.look(found)
+            found.status = whole
+        self.assertEqual([m["k"] for m in messages[1:]], [0, 3, 1, 2, 4, 5])
+
+    def test_what_is_kept_for_a_page_that_comes_later(self):
+        """Of the points of a fit the latest, and the best before them; of another study nothing."""
+        from tendril.watching import LATEST, Study
+
+        study, tried = Study(), [{"kind": "tried", "better": k == 3, "k": k} for k in range(5 * LATEST)]
+        for message in ({"kind": "study"}, *tried, {"kind": "ended"}):
+            study.take(message)
+        whole = study.whole()
+        self.assertEqual((whole[0]["kind"], whole[1], whole[-2], whole[-1]["kind"]), ("study", tried[3], tried[-1], "ended"))
+        self.assertTrue(LATEST <= len(whole) - 3 <= 2 * LATEST, len(whole))
+        self.assertEqual([m["k"] for m in whole[2:-1]], list(range(whole[2]["k"], 5 * LATEST)))
+        study.take({"kind": "fresh"})
+        self.assertNotIn(tried[3], study.whole())
+        study.take({"kind": "study", "what": "sweep"})
+        self.assertEqual(study.whole(), [{"kind": "study", "what": "sweep"}])
 
     def test_the_rods_that_a_fit_tries(self):
         r = tendril.run(None, **self.FEW, rod_curvature=0.4)
@@ -483,8 +553,20 @@ class Watching(unittest.TestCase):
                 self.assertEqual(([m["kind"] for m in messages[:1]], messages[-1]["kind"]), (["study"], "ended"))
                 self.assertGreater(len(tried), 3)
                 self.assertEqual(tried[-1]["values"]["rod_curvature"], fit.values["rod_curvature"])
-                line = np.frombuffer(base64.b64decode(tried[-1]["lines"][0]), "<f4").reshape(-1, 2)
+                self.assertEqual([(one["name"], one["low"], one["high"], one["log"]) for one in messages[0]["parameters"]],
+                                 [(p.name, p.low, p.high, p.logarithmic) for p in fit.parameters])
+                self.assertEqual((fit.parameters[0].low, fit.parameters[0].high), (0.1, 1))
+                line, points = (np.frombuffer(base64.b64decode(packed), "<f4").reshape(-1, 2)
+                                for packed in (tried[-1]["lines"][0], messages[0]["photographs"][0]["points"]))
                 self.assertLess(np.abs(line[-1] - r.shapes.x[-1][-1]).max(), 3e-3)
+                self.assertLess(np.abs(points - r.shapes.x[-1]).max(), 5e-3)
+                least = np.inf
+                for m in messages[:-2]:  # behind them is what was found
+                    least = np.inf if m["kind"] == "fresh" else least
+                    if m["kind"] == "tried":
+                        self.assertEqual(m["better"], m["cost"] < least)
+                        least = min(least, m["cost"])
+                self.assertEqual((messages[-2]["kind"], messages[-2]["better"], messages[-2]["cost"]), ("tried", True, fit.cost))
                 off = [abs(m["values"]["rod_curvature"] - 0.4) for m in tried]
                 self.assertLess(off[-1], max(off))
                 with connect(page.address.replace("http", "ws").replace("/?", "/ws?"), max_size=None) as socket:  # who comes later

@@ -94,6 +94,14 @@ def a_run_says_what_stalls_it():
     expect("stalled at length 1.00" in line and "friction takes all" in line, line)
     line = tendril(f"{fed}1 -ts_max_time 12 -friction_mu 0 -friction_beta 1e-3 -tip_force 0.999")
     expect("what presses on the tip takes all" in line, line)
+    line = tendril(f"{fed}1 -ts_max_time 12 -friction_mu 0 -friction_beta 1e-3 -rod_weight -1,0")
+    expect("the rod's weight takes all" in line, line)
+    wall = Path(scene.SCRATCH) / "yield-wall.txt"
+    wall.write_text("plane 0.3 0 -1 0\n")
+    # pressed hard, for thousands of steps in which it gets nowhere: that is no jam
+    line = tendril(f"{fed}50 -growth_initial_length 0.2 -ts_max_time 12 -ts_adapt_dt_max 5e-3 -friction_mu 0 -friction_beta 1e-3 "
+                   f"-contact_diameter 0.01 -wall_file {wall}")
+    expect("walls take all" in line and "jammed" not in line, line)
     line = tendril(f"{fed}1 -ts_max_time 1")
     expect("stalled" not in line, line)
     r = Run(f"{fed}1.2 -ts_max_time 9 -stop_stall 0.1")
