@@ -301,13 +301,19 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
   PetscFunctionReturn(0);
 }
 
-/* What is below round-off of the whole of a vector is not asked for either (rod/sizes.c). */
-static void SetTolerance(Newton *newton, PetscReal tolerance) {
+/* NewtonFollow - updates go to a part of the tolerance that the next step has. */
+void NewtonFollow(Newton *newton, PetscReal rtol) {
+  newton->tolerance = step_rule.newton_share * rtol;
+}
+
+/* The tolerance as given. What is below round-off of the whole of a vector is not asked for either
+   (rod/sizes.c). */
+static void SetTolerance(Newton *newton, PetscReal rtol) {
   const Rod rod = newton->rod;
 
-  newton->tolerance = tolerance;
+  NewtonFollow(newton, rtol);
   for (PetscInt k = 0; k < rod->rods; k++)
-    rod->each[k]->finest = step_rule.update_round_off / tolerance;
+    rod->each[k]->finest = step_rule.update_round_off / newton->tolerance;
 }
 
 /*
@@ -325,7 +331,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->ts = ts;
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
-  SetTolerance(newton, step_rule.newton_share * rtol);
+  SetTolerance(newton, rtol);
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));

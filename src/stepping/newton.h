@@ -30,6 +30,7 @@ typedef struct {
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
+void NewtonFollow(Newton *newton, PetscReal rtol);
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
 PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
 PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);
