@@ -15,7 +15,6 @@
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
 /* Left to itself the compiler makes vectors of other loops, and shuffles. */
-typedef PetscReal Four
-    __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(8), may_alias));
+typedef PetscReal Four __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(8), may_alias));
 
 #endif

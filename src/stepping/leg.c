@@ -656,7 +656,7 @@ PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg) {
   PetscCall(PetscMemzero(leg, sizeof(*leg)));
   leg->rod = rod;
   leg->rtol = rtol;
-  leg->ease.most = leg->ease.wants = leg->ease.times = leg->ease.made = 1;
+  leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   PetscCall(PetscCalloc1(rod->rods, &leg->of));
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));

@@ -10,8 +10,6 @@ typedef struct {
   PetscReal wants;  /* so many times it is to be */
   PetscReal times;  /* so many times it is, one of few levels */
   PetscReal others; /* by how much contact puts the rod off */
-  PetscReal seen;   /* by how much steps do, */
-  PetscReal made;   /* and so many times rtol was their tolerance */
 } Ease;
 
 /* What errors of one of its rods are measured against. */

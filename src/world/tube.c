@@ -280,8 +280,8 @@ static PetscBool IsDeep(Tube self, const PetscReal x[3], PetscReal enough) {
     while (self->at > self->piece[self->latest].b && self->latest + 1 < self->pieces)
       self->latest++;
     while (self->at < self->piece[self->latest].a && self->latest > 0) self->latest--;
-    self->at = PetscMax(self->piece[self->latest].a,
-                        PetscMin(self->piece[self->latest].b, self->at));
+    self->at =
+        PetscMax(self->piece[self->latest].a, PetscMin(self->piece[self->latest].b, self->at));
   }
   return PETSC_FALSE;
 }
