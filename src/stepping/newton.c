@@ -140,7 +140,7 @@ static PetscReal SpeedSeen(const Newton *self, PetscReal step, const PetscReal s
   if (!RodTouches(self->rod)) return 0;
   for (PetscInt f = 0; f < self->rod->model->fields; f++)
     if (self->rod->model->followed[f] && size[f] > 0) least = PetscMin(least, size[f]);
-  return self->tolerance * least / step;
+  return self->given * least / step;
 }
 
 /* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
@@ -155,7 +155,7 @@ static PetscErrorCode Hold(Newton *self, SNES snes, Vec U, Vec F, SNESConvergedR
   PetscCall(RodFieldSizes(self->rod, U, size));
   PetscCall(self->rod->model->hold(self->rod, &self->latest, SpeedSeen(self, step, size), &creep));
   PetscCall(PetscInfo(snes, "held points creep at %g\n", (double)creep));
-  if (creep * step > step_rule.stick_slips * self->tolerance * size[0] &&
+  if (creep * step > step_rule.stick_slips * self->given * size[0] &&
       self->holds < step_rule.stick_updates) {
     self->holds++;
     *reason = SNES_CONVERGED_ITERATING;
@@ -312,8 +312,9 @@ static void SetTolerance(Newton *newton, PetscReal rtol) {
   const Rod rod = newton->rod;
 
   NewtonFollow(newton, rtol);
+  newton->given = newton->tolerance;
   for (PetscInt k = 0; k < rod->rods; k++)
-    rod->each[k]->finest = step_rule.update_round_off / newton->tolerance;
+    rod->each[k]->finest = step_rule.update_round_off / newton->given;
 }
 
 /*
