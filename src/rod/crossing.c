@@ -40,7 +40,7 @@ PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
   PetscFunctionBegin;
   *count = 0;
   if (n < 4) PetscFunctionReturn(0);
-  PetscCall(BlocksOfLine(2, n - 1, NODE_VALUES, nodes[0].x, &nodes[0].theta, &line));
+  PetscCall(BlocksOfLine(2, n - 1, NODE_VALUES, nodes[0].x, &nodes[0].theta, NULL, &line));
   BlocksPairs(line, 0, CannotCross, CountCrossing, &self);
   PetscCall(BlocksDestroy(&line));
   *count = self.count;
@@ -161,7 +161,7 @@ PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, Pet
   if (n < 4) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < n; i++)
     for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x3[d] - from[i].x3[d]));
-  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x3, NULL, &line));
+  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x3, NULL, NULL, &line));
   BlocksPairs(line, 2 * way, NULL, MeetMoving, &self);
   PetscCall(BlocksDestroy(&line));
   *passes = self.passes;

@@ -1,4 +1,6 @@
-/* What the files of strands share: the nodes in a state, and pairs of what is near. */
+/* What the files of strands share: the nodes in a state, and pairs of what is near. Of several rods
+   nodes are counted through, rod behind rod: cell i is behind node i, and behind a rod's last node
+   there is none. */
 #ifndef TENDRIL_STRAND_PAIRS_H
 #define TENDRIL_STRAND_PAIRS_H
 
@@ -15,7 +17,16 @@ typedef struct {
   PetscReal size, spin, spin_by[4];
 } Joint;
 
-/* A place on the curve of the rod. */
+/* A rod among them. */
+typedef struct {
+  Scene scene;
+  const Contact *contact;
+  PetscInt first, cells; /* its first node, and cell; how many cells */
+  PetscInt sample, each; /* its first sample; how many a cell has */
+  PetscReal apart;       /* what is nearer along it is the same strand */
+} Strand;
+
+/* A place on the curve of a rod. */
 typedef struct {
   PetscInt cell;
   CurvePlace on;
@@ -30,10 +41,11 @@ typedef struct {
 /* A sample and what it is near to. */
 typedef struct {
   PetscInt sample, next;
-  int side;         /* of a sample in the plane: 0 left, 1 right; else 0 */
-  PetscBool ends;   /* the foot is an end of the rod */
-  PetscBool apart;  /* they are not the same strand */
-  PetscBool active; /* they press */
+  const Contact *contact; /* the law by which they touch */
+  int side;               /* of a sample in the plane: 0 left, 1 right; else 0 */
+  PetscBool ends;         /* the foot is an end of the rod */
+  PetscBool apart;        /* they are not the same strand */
+  PetscBool active;       /* they press */
   Spot at, foot;
   PetscReal n[3], distance, gap;
   PetscReal p, p_gap;       /* pressure and its derivative */
@@ -45,15 +57,15 @@ typedef struct {
 } Pair;
 
 struct _Strands {
-  Scene scene;
-  const Contact *contact;
-  int dims;               /* 2 in the plane, 3 in space */
-  PetscInt cells, points; /* points: 2 cells + 1 */
-  PetscInt each, samples; /* of a cell; of the rod, with the tip at the end */
-  PetscReal ahead;        /* where the first of a cell is, in parts of the way to the next */
-  PetscReal apart;        /* what is nearer along the rod is the same strand */
-  PetscReal time;         /* of what follows: laws at the points */
-  PetscReal *g, *g_t, *c, *strain, *arc, *weight;
+  PetscInt rods;
+  Strand *rod;
+  PetscInt *of;     /* of each node, its rod */
+  int dims;         /* 2 in the plane, 3 in space */
+  PetscInt nodes;   /* of all; node i is point 2 i, the middle behind it 2 i + 1 */
+  PetscInt samples; /* of all; that of the tip is a rod's last */
+  PetscBool rubs;   /* any two can */
+  PetscReal time;   /* of what follows: laws at the points */
+  PetscReal *s, *g, *g_t, *c, *strain, *arc, *weight;
   PetscInt n, room;
   Pair *pair;
   PetscInt *first;        /* of a sample, of each side that it has: its first pair, -1 none */
@@ -83,16 +95,24 @@ static inline int NodeOf(int dims) {
   return dims + CurveTurns(dims);
 }
 
+/* The rod of a cell. */
+static inline const Strand *StrandOf(const struct _Strands *self, PetscInt cell) {
+  return &self->rod[self->of[cell]];
+}
+
+/* Where the force on its tip stands, behind its points. */
+static inline PetscInt TipPoint(const Strand *rod) {
+  return 2 * (rod->first + rod->cells) + 1;
+}
+
 /* Is a sample that of the tip? */
 static inline PetscBool SampleIsTip(const struct _Strands *self, PetscInt sample) {
-  return (PetscBool)(sample == self->samples - 1);
+  return (PetscBool)(self->spot[sample].on.z == 1);
 }
 
 /* The curve of a cell, without its rates. */
 static inline void StrandCell(const struct _Strands *self, PetscInt cell, CurveCell *of) {
-  const PetscReal *s = self->scene->mesh.s;
-
-  of->h = s[cell + 1] - s[cell];
+  of->h = self->s[cell + 1] - self->s[cell];
   for (int e = 0; e < 2; e++) {
     const Joint *joint = &self->joint[cell + e];
     of->g[e] = self->g[2 * (cell + e)];

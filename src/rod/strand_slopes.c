@@ -48,7 +48,7 @@ ALWAYS_INLINE void PlaceSlope(int dims, const struct _Strands *self, const Pair 
 /* df = dp (n - mu w) + p (dn - mu dw) */
 ALWAYS_INLINE void ForceSlope(int dims, const struct _Strands *self, const Pair *pair,
                               const PairSlope *by, StrandBy df) {
-  const PetscReal mu = self->contact->friction;
+  const PetscReal mu = pair->contact->friction;
 
   for (int d = 0; d < dims; d++)
     for (int u = 0; u < 4 * NodeOf(dims); u++)
@@ -86,7 +86,7 @@ ALWAYS_INLINE int TakersBy(int dims, const struct _Strands *self, const Pair *pa
         load[n][d][u] = -share[0] * spread.share[k] * by[0][d][u] / self->weight[spread.point[k]];
   }
   if (share[1] == 0) return n;
-  taker[n] = self->points;
+  taker[n] = TipPoint(StrandOf(self, pair->at.cell));
   for (int d = 0; d < dims; d++)
     for (int u = 0; u < unknowns; u++) load[n][d][u] = share[1] * by[0][d][u];
   return n + 1;
@@ -140,7 +140,7 @@ ALWAYS_INLINE void Linearise(int dims, const struct _Strands *self, Pair *pair, 
   PairSlope by = {.z = {0}};
 
   PlaceSlope(dims, self, pair, &by);
-  if (self->contact->friction > 0) PairRubSlope(self, pair, fresh, &by);
+  if (pair->contact->friction > 0) PairRubSlope(self, pair, fresh, &by);
   TakersSlope(dims, self, pair, &by, slope);
 }
 
