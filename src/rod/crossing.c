@@ -52,6 +52,7 @@ PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
 /* A rod that moves from one state to another, every node evenly. */
 typedef struct {
   const Node *from, *to;
+  const PetscInt *of; /* as of RodPassesItself() */
   PetscBool passes;
 } Motion;
 
@@ -133,6 +134,7 @@ static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
   int pieces;
 
   if (self->passes || j <= i + 1) return; /* neighbours have a node in common */
+  if (self->of && (self->of[i] != self->of[i + 1] || self->of[j] != self->of[j + 1])) return;
   for (int k = 0; k < 4; k++) f[k] = VolumeAt(self, i, j, k / 3.);
   pieces = Pieces(f, at);
   for (int k = 0; k < pieces && !self->passes; k++) {
@@ -150,9 +152,13 @@ static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
 }
 
 /* RodPassesItself - does the polygon through n nodes in space pass through itself on its way from
-   one state to another, every node on a straight line? Not collective. */
-PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, PetscBool *passes) {
-  Motion self = {from, to, PETSC_FALSE};
+   one state to another, every node on a straight line? Not collective.
+
+   of  of several polygons, one behind the other, that of each node, in a frame that they share;
+       NULL: it is one */
+PetscErrorCode RodPassesItself(PetscInt n, const PetscInt *of, const Node *from, const Node *to,
+                               PetscBool *passes) {
+  Motion self = {from, to, of, PETSC_FALSE};
   PetscReal way = 0;
   Blocks line;
 
@@ -161,7 +167,7 @@ PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, Pet
   if (n < 4) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < n; i++)
     for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x3[d] - from[i].x3[d]));
-  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x3, NULL, NULL, &line));
+  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x3, NULL, of, &line));
   BlocksPairs(line, 2 * way, NULL, MeetMoving, &self);
   PetscCall(BlocksDestroy(&line));
   *passes = self.passes;

@@ -248,6 +248,18 @@ void PairRub(const struct _Strands *self, Pair *pair) {
   (self->dims == 2 ? RubInPlane : RubInSpace)(self, pair, motion);
 }
 
+/* PairFootPower - that of the force on a foot in space, and of the couple that goes with it, f
+   being the force on the sample: per length of that. */
+PetscReal PairFootPower(const struct _Strands *self, const Pair *pair, const PetscReal f[3],
+                        const PetscReal on_foot[3]) {
+  const Turning *turning = &pair->turning[1];
+  CurveMotion motion;
+
+  MotionOf(self, &pair->foot, &motion);
+  return Dot3(on_foot, motion.v) +
+         (pair->contact->friction > 0 ? Dot3(turning->a, f) * turning->spin : 0);
+}
+
 /* PairRubSlope - how w of PairRub() changes, of a pair whose places do as `by` says; what Newton's
    method remembers is brought up to the slip first. fresh: a Newton solve begins. */
 void PairRubSlope(const struct _Strands *self, Pair *pair, PetscBool fresh, PairSlope *by) {

@@ -24,7 +24,16 @@ typedef struct {
   PetscInt first, cells; /* its first node, and cell; how many cells */
   PetscInt sample, each; /* its first sample; how many a cell has */
   PetscReal apart;       /* what is nearer along it is the same strand */
+  PetscReal axis[3];     /* the direction of its clamp */
+  StrandSum sum;
 } Strand;
+
+/* How two rods touch that have come near each other. */
+typedef struct {
+  PetscInt rod[2], next; /* the next one of the first rod; -1: none */
+  StrandMeeting how;
+  Contact law;
+} Meeting;
 
 /* A place on the curve of a rod. */
 typedef struct {
@@ -59,6 +68,10 @@ typedef struct {
 struct _Strands {
   PetscInt rods;
   Strand *rod;
+  StrandsMeet meet; /* of several rods, which are brought into one frame; NULL: of one */
+  void *ctx;
+  PetscInt meetings, *met; /* of each rod the first one with a later rod */
+  Meeting **meeting;
   PetscInt *of;     /* of each node, its rod */
   int dims;         /* 2 in the plane, 3 in space */
   PetscInt nodes;   /* of all; node i is point 2 i, the middle behind it 2 i + 1 */
@@ -80,7 +93,6 @@ struct _Strands {
   FrictionDual *dual;     /* of a sample's side in the plane; NULL: no friction */
   StrandSlope *slopes;
   PetscInt slopes_room;
-  StrandSum sum;
 };
 
 /* How the pair's foot, normal, distance and friction change; in space slip, tangents and levers. */
@@ -138,8 +150,17 @@ static inline void StrandCellMoving(const struct _Strands *self, PetscInt cell, 
 
 /* strand_friction.c */
 void PairRub(const struct _Strands *self, Pair *pair);
+PetscReal PairFootPower(const struct _Strands *self, const Pair *pair, const PetscReal f[3],
+                        const PetscReal on_foot[3]);
 void PairRubSlope(const struct _Strands *self, Pair *pair, PetscBool fresh, PairSlope *by);
 void PairsForget(Strands self);
+
+/* strand_laws.c */
+PetscErrorCode StrandLawOf(Strands self, PetscInt a, PetscInt b, const Contact **law);
+void StrandLawsNow(Strands self);
+void StrandJointToLab(const struct _Strands *self, PetscInt node, Joint *joint);
+void StrandsToOwn(const struct _Strands *self, PetscReal (*load)[3]);
+void StrandSlopeToOwn(const struct _Strands *self, StrandSlope *slope);
 
 /* strands.c */
 void StrandJoints(Strands self, const StrandState *state, const PetscReal *shift);

@@ -125,8 +125,13 @@ ALWAYS_INLINE void TakersSlope(int dims, const struct _Strands *self, const Pair
     on_foot[d] = -f[d];
     for (int u = 0; u < 4 * NodeOf(dims); u++) df[1][d][u] = -df[0][d][u];
   }
-  for (int u = 0; u < 4 * NodeOf(dims) && PairOnClamp(self, pair); u++)
-    df[1][0][u] += pair->p_gap * by->gap[u] * pair->n[0] + pair->p * by->n[0][u];
+  for (int u = 0; u < 4 * NodeOf(dims) && PairOnClamp(self, pair); u++) {
+    const PetscReal *axis = StrandOf(self, pair->foot.cell)->axis,
+                    dn[3] = {by->n[0][u], by->n[1][u], by->n[2][u]},
+                    borne =
+                        pair->p_gap * by->gap[u] * Dot3(pair->n, axis) + pair->p * Dot3(dn, axis);
+    for (int d = 0; d < dims; d++) df[1][d][u] += borne * axis[d];
+  }
   slope->cell[0] = pair->at.cell;
   slope->cell[1] = pair->foot.cell;
   slope->takers = TakersBy(dims, self, pair, by->z, on_foot, df, slope->taker, slope->by);
@@ -172,9 +177,12 @@ PetscErrorCode StrandsLinearise(Strands self, const StrandState *state, const Pe
   *slopes = self->slopes;
   if (fresh) PairsForget(self);
   StrandJoints(self, state, shift);
-  for (PetscInt k = 0; k < self->n; k++)
-    if (self->pair[k].active)
-      (self->dims == 2 ? LineariseInPlane : LineariseInSpace)(self, &self->pair[k], fresh,
-                                                              &self->slopes[(*n)++]);
+  for (PetscInt k = 0; k < self->n; k++) {
+    StrandSlope *slope = &self->slopes[*n];
+    if (!self->pair[k].active) continue;
+    (self->dims == 2 ? LineariseInPlane : LineariseInSpace)(self, &self->pair[k], fresh, slope);
+    if (self->meet) StrandSlopeToOwn(self, slope);
+    (*n)++;
+  }
   PetscFunctionReturn(0);
 }

@@ -78,6 +78,7 @@ static PetscErrorCode RodLawsAt(Strands self, const Strand *rod, PetscReal t) {
 static PetscErrorCode LawsAt(Strands self, PetscReal t) {
   PetscFunctionBegin;
   for (PetscInt r = 0; r < self->rods; r++) PetscCall(SceneContactAt(self->rod[r].scene, t));
+  StrandLawsNow(self);
   if (self->time == t) PetscFunctionReturn(0);
   for (PetscInt r = 0; r < self->rods; r++) PetscCall(RodLawsAt(self, &self->rod[r], t));
   self->time = t;
@@ -151,6 +152,7 @@ void StrandJoints(Strands self, const StrandState *state, const PetscReal *shift
       JointInPlane(u[dims], u_t[dims], g, g_t, shift ? shift + dims : NULL, joint);
     else
       JointInSpace(u + dims, u_t + dims, g, g_t, shift ? shift + dims : NULL, joint);
+    if (self->meet) StrandJointToLab(self, i, joint);
   }
 }
 
@@ -263,7 +265,7 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
 
   if (look->error) return;
   if (self->of[i] != self->of[j])
-    look->contact = NULL; /* (there is one rod) */
+    look->error = StrandLawOf(self, self->of[i], self->of[j], &look->contact);
   else
     look->contact =
         rod->contact->self && self->arc[j] - self->arc[i + 1] >= rod->apart ? rod->contact : NULL;
@@ -410,14 +412,24 @@ static void HandBoth(const struct _Strands *self, const Pair *pair, const PetscR
   HandTo(self, pair, 1, share[0] + share[1], on_foot, load);
 }
 
-static void HandOut(Strands self, const Pair *pair, const PetscReal f[3]) {
-  const PetscReal borne = PairOnClamp(self, pair) ? pair->p * pair->n[0] : 0,
-                  on_foot[3] = {borne - f[0], -f[1], -f[2]};
+/* The force of a pair, of which the clamp may bear a part. The power that the rod of the foot has
+   from it is that of the sample's, which has the energy of the pair, and loses by it. */
+static void HandOut(Strands self, const Pair *pair, const PetscReal f[3], PetscBool moves) {
+  Strand *of_foot = &self->rod[self->of[pair->foot.cell]];
+  const PetscReal *axis = of_foot->axis,
+                  borne = PairOnClamp(self, pair) ? pair->p * Dot3(pair->n, axis) : 0,
+                  on_foot[3] = {borne * axis[0] - f[0], borne * axis[1] - f[1],
+                                borne * axis[2] - f[2]};
   PetscReal share[2];
 
   PairShares(self, pair, share);
-  self->sum.clamp[0] -= (share[0] + share[1]) * borne;
+  for (int d = 0; d < 3; d++) of_foot->sum.clamp[d] -= (share[0] + share[1]) * borne * axis[d];
   HandBoth(self, pair, f, on_foot, self->force);
+  if (self->meet && moves) {
+    const PetscReal power = (share[0] + share[1]) * PairFootPower(self, pair, f, on_foot);
+    of_foot->sum.moved += power;
+    self->rod[self->of[pair->at.cell]].sum.moved -= power;
+  }
 }
 
 /* The couples a.f t of friction on both strands. */
@@ -432,10 +444,10 @@ static void HandCouples(const struct _Strands *self, const Pair *pair, const Pet
 }
 
 static void AddToSum(Strands self, const Pair *pair) {
-  const Strand *rod = StrandOf(self, pair->at.cell);
+  Strand *rod = &self->rod[self->of[pair->at.cell]];
   const PetscReal U = ContactEnergy(pair->contact, pair->gap),
                   U_t = ContactEnergyRate(pair->contact, pair->gap);
-  StrandSum *sum = &self->sum;
+  StrandSum *sum = &rod->sum;
   PetscReal share[2], all;
 
   PairShares(self, pair, share);
@@ -452,41 +464,57 @@ static void AddToSum(Strands self, const Pair *pair) {
 static void Nearest(Strands self, const Pair *pair) {
   const PetscReal *s = self->s;
   const Spot *spot[2] = {&pair->at, &pair->foot};
+  StrandSum *sum = &self->rod[self->of[pair->at.cell]].sum;
 
-  if (!pair->apart || pair->gap >= self->sum.nearest) return;
-  self->sum.nearest = pair->gap;
+  if (!pair->apart || pair->gap >= sum->nearest) return;
+  sum->nearest = pair->gap;
+  sum->rod = self->of[pair->foot.cell];
   for (int k = 0; k < 2; k++)
-    self->sum.at[k] = s[spot[k]->cell] + spot[k]->on.z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
-  for (int d = 0; d < 3; d++) self->sum.x[d] = (pair->at.on.x[d] + pair->foot.on.x[d]) / 2;
+    sum->at[k] = s[spot[k]->cell] + spot[k]->on.z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
+  for (int d = 0; d < 3; d++) sum->x[d] = (pair->at.on.x[d] + pair->foot.on.x[d]) / 2;
 }
 
-/* How many zones of contact there are: samples, one after the other, that touch on a side what lies
-   farther along the rod. */
-static PetscInt Zones(const struct _Strands *self) {
-  PetscInt zones = 0, before[2] = {-2, -2};
-
-  for (PetscInt head = 0; head < self->sides * self->samples; head++)
-    for (PetscInt k = self->first[head]; k >= 0; k = self->pair[k].next) {
-      const Pair *pair = &self->pair[k];
-      if (!pair->active || !ContactBears(pair->contact, pair->gap) ||
-          pair->foot.cell < pair->at.cell)
-        continue;
-      zones += before[pair->side] < pair->sample - 1;
-      before[pair->side] = pair->sample;
-    }
-  return zones;
+/* How many zones of contact a rod has: samples, one after the other, that touch on a side what lies
+   farther along it, or along a later rod. */
+static void Zones(Strands self) {
+  for (PetscInt r = 0; r < self->rods; r++) {
+    const PetscInt sample = self->rod[r].sample,
+                   end = r + 1 < self->rods ? self->rod[r + 1].sample : self->samples;
+    PetscInt before[2] = {-2, -2};
+    for (PetscInt head = self->sides * sample; head < self->sides * end; head++)
+      for (PetscInt k = self->first[head]; k >= 0; k = self->pair[k].next) {
+        const Pair *pair = &self->pair[k];
+        if (!pair->active || !ContactBears(pair->contact, pair->gap) ||
+            pair->foot.cell < pair->at.cell)
+          continue;
+        self->rod[r].sum.zones += before[pair->side] < pair->sample - 1;
+        before[pair->side] = pair->sample;
+      }
+  }
 }
 
-/* The sum of all forces. */
+/* The sum of all forces on each rod, in the frame that its loads are in. */
 static void AddUp(Strands self) {
-  for (int d = 0; d < 3; d++) {
-    self->sum.sum[d] = self->sum.clamp[d];
-    for (PetscInt r = 0; r < self->rods; r++) {
-      const Strand *rod = &self->rod[r];
-      self->sum.sum[d] += self->force[TipPoint(rod)][d];
+  for (PetscInt r = 0; r < self->rods; r++) {
+    Strand *rod = &self->rod[r];
+    for (int d = 0; d < 3; d++) {
+      rod->sum.sum[d] = rod->sum.clamp[d] + self->force[TipPoint(rod)][d];
       for (PetscInt k = 2 * rod->first; k < TipPoint(rod); k++)
-        self->sum.sum[d] -= self->force[k][d] * self->weight[k];
+        rod->sum.sum[d] -= self->force[k][d] * self->weight[k];
     }
+  }
+}
+
+/* Of several rods what is done to each is told in its own frame, but for places and the sum of
+   forces. */
+static void TellEach(Strands self) {
+  if (!self->meet) return;
+  StrandsToOwn(self, self->force);
+  if (self->couple) StrandsToOwn(self, self->couple);
+  for (PetscInt r = 0; r < self->rods; r++) {
+    StrandSum *sum = &self->rod[r].sum;
+    const PetscReal lab[3] = {sum->clamp[0], sum->clamp[1], sum->clamp[2]};
+    SpaceFromLab(&self->rod[r].scene->space, lab, sum->clamp);
   }
 }
 
@@ -504,8 +532,8 @@ PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
   self->searched = PETSC_FALSE;
   PetscCall(PetscArrayzero(self->force, 2 * self->nodes));
   if (self->couple) PetscCall(PetscArrayzero(self->couple, 2 * self->nodes));
-  PetscCall(PetscMemzero(&self->sum, sizeof(self->sum)));
-  self->sum.nearest = PETSC_MAX_REAL;
+  for (PetscInt r = 0; r < self->rods; r++)
+    self->rod[r].sum = (StrandSum){.nearest = PETSC_MAX_REAL};
   for (PetscInt k = 0; k < self->n; k++) {
     Pair *pair = &self->pair[k];
     const PetscBool rubs = (PetscBool)(pair->contact->friction > 0 && state->u_t);
@@ -515,12 +543,13 @@ PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
     pair->p = ContactPressure(pair->contact, pair->gap, &pair->p_gap);
     if (rubs) PairRub(self, pair);
     PairForce(self, pair, f);
-    HandOut(self, pair, f);
+    HandOut(self, pair, f, (PetscBool)(state->u_t != NULL));
     if (rubs && self->couple) HandCouples(self, pair, f);
     AddToSum(self, pair);
   }
-  self->sum.zones = Zones(self);
+  Zones(self);
   AddUp(self);
+  TellEach(self);
   PetscFunctionReturn(0);
 }
 
@@ -536,9 +565,19 @@ const PetscReal (*StrandsCouples(Strands self))[3] {
   return (const PetscReal(*)[3])self->couple;
 }
 
-/* StrandsSum - the sums over all places in contact that StrandsLoad() has found. */
-void StrandsSum(Strands self, StrandSum *sum) {
-  *sum = self->sum;
+/* StrandsSum - the sums over all places in contact of a rod that StrandsLoad() has found. */
+void StrandsSum(Strands self, PetscInt rod, StrandSum *sum) {
+  *sum = self->rod[rod].sum;
+}
+
+/* StrandsRod - the rod of a node of all. */
+PetscInt StrandsRod(Strands self, PetscInt node) {
+  return self->of[node];
+}
+
+/* StrandsFirst - the first node of a rod among those of all. */
+PetscInt StrandsFirst(Strands self, PetscInt rod) {
+  return self->rod[rod].first;
 }
 
 /* StrandsNear - the cells of all pairs that are near to touching: of the sample, of the foot, each
@@ -574,6 +613,8 @@ static PetscErrorCode SamplesOf(Scene scene, PetscInt *each) {
   PetscCall(GrowthArc(scene->growth, cells + 1, scene->mesh.s, scene->end_time, arc, NULL));
   for (PetscInt i = 0; i < cells; i++) longest = PetscMax(longest, arc[i + 1] - arc[i]);
   PetscCall(PetscFree(arc));
+  *each = 1;
+  if (scene->contact.diameter <= 0) PetscFunctionReturn(0);
   *each = 1 + (PetscInt)PetscMin(MOST_SAMPLES - 1,
                                  longest / (rod_rule.sample_distance * scene->contact.diameter));
   PetscFunctionReturn(0);
@@ -619,6 +660,7 @@ static PetscErrorCode Gather(Strands self, const Scene scene[]) {
                             .contact = &scene[r]->contact,
                             .first = self->nodes,
                             .cells = scene[r]->mesh.cells,
+                            .axis = {1, 0, 0},
                             .apart = PETSC_PI / 2 * scene[r]->contact.diameter};
     self->nodes += scene[r]->mesh.cells + 1;
   }
@@ -635,26 +677,53 @@ static PetscErrorCode Gather(Strands self, const Scene scene[]) {
   PetscFunctionReturn(0);
 }
 
-/* StrandsCreate - for a rod of a scene that has -contact_self, which must outlive it. Not
-   collective; the caller destroys it with StrandsDestroy(). */
-PetscErrorCode StrandsCreate(Scene scene, Strands *strands) {
-  Strands self;
+/* Room for them, of which rods and dimension are known. */
+static PetscErrorCode MakeRoom(Strands self, const Scene scene[]) {
   PetscInt n;
 
   PetscFunctionBegin;
-  PetscCall(PetscNew(&self));
-  *strands = self;
-  self->rods = 1;
-  self->dims = scene->space.rod ? 3 : 2;
-  self->rubs = (PetscBool)(scene->contact.friction > 0);
   self->time = PETSC_MIN_REAL;
-  PetscCall(Gather(self, &scene));
+  PetscCall(Gather(self, scene));
   n = 2 * self->nodes;
   PetscCall(PetscCalloc5(n, &self->g, n, &self->g_t, n, &self->c, n, &self->strain, self->nodes,
                          &self->arc));
   PetscCall(PetscCalloc3(3 * self->nodes, &self->seen, n, &self->force, self->nodes, &self->joint));
   PetscCall(Sample(self));
   for (PetscInt k = 0; k < 3 * self->nodes; k++) self->seen[k] = PETSC_MAX_REAL;
+  PetscFunctionReturn(0);
+}
+
+/* StrandsCreate - for a rod of a scene that has -contact_self, which must outlive it. Not
+   collective; the caller destroys it with StrandsDestroy(). */
+PetscErrorCode StrandsCreate(Scene scene, Strands *strands) {
+  PetscFunctionBegin;
+  PetscCall(PetscNew(strands));
+  (*strands)->rods = 1;
+  (*strands)->dims = scene->space.rod ? 3 : 2;
+  (*strands)->rubs = (PetscBool)(scene->contact.friction > 0);
+  PetscCall(MakeRoom(*strands, &scene));
+  PetscFunctionReturn(0);
+}
+
+/* StrandsCreateSeveral - for several rods in space, whose scenes must outlive it. meet, with ctx:
+   how two of them do, the first before the second; asked of once. */
+PetscErrorCode StrandsCreateSeveral(PetscInt n, const Scene scene[], StrandsMeet meet, void *ctx,
+                                    Strands *strands) {
+  const PetscReal along[3] = {1, 0, 0};
+  Strands self;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&self));
+  *strands = self;
+  self->rods = n;
+  self->dims = 3;
+  self->rubs = PETSC_TRUE;
+  self->meet = meet;
+  self->ctx = ctx;
+  PetscCall(PetscMalloc1(n, &self->met));
+  for (PetscInt r = 0; r < n; r++) self->met[r] = -1;
+  PetscCall(MakeRoom(self, scene));
+  for (PetscInt r = 0; r < n; r++) SceneToLab(scene[r], along, self->rod[r].axis);
   PetscFunctionReturn(0);
 }
 
@@ -673,6 +742,9 @@ PetscErrorCode StrandsDestroy(Strands *strands) {
   PetscCall(PetscFree(self->couple));
   PetscCall(PetscFree(self->pair));
   PetscCall(PetscFree(self->slopes));
+  for (PetscInt k = 0; k < self->meetings; k++) PetscCall(PetscFree(self->meeting[k]));
+  PetscCall(PetscFree(self->meeting));
+  PetscCall(PetscFree(self->met));
   PetscCall(PetscFree(self->rod));
   PetscCall(PetscFree(*strands));
   PetscFunctionReturn(0);

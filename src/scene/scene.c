@@ -281,12 +281,17 @@ static PetscErrorCode CheckClamp(Scene scene) {
   PetscFunctionReturn(0);
 }
 
-/*
-  SceneCreate - reads and checks all options that say what is simulated, and places the nodes.
-  Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
-  SceneDestroy(), also after an error.
-*/
+/* SceneCreate - reads and checks all options that say what is simulated, and places the nodes.
+   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
+   SceneDestroy(), also after an error. */
 PetscErrorCode SceneCreate(Scene *scene) {
+  PetscFunctionBegin;
+  PetscCall(SceneCreateAmong(PETSC_FALSE, scene));
+  PetscFunctionReturn(0);
+}
+
+/* SceneCreateAmong - that of one of several rods; touch: they may touch each other. */
+PetscErrorCode SceneCreateAmong(PetscBool touch, Scene *scene) {
   PetscInt cells, grading;
   char text[2][64];
   Scene self;
@@ -318,7 +323,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(TropismSetFromOptions(&self->tropism, self->growth));
   if (self->growth->yield > 0) self->tropism.any = PETSC_TRUE; /* its material may learn */
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
-  PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
+  PetscCall(ContactSetFromOptions(&self->contact, touch, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
   SceneLinkWalls(self);
   PetscCall(

@@ -75,6 +75,7 @@ struct _Scene {
 extern const OptionGroup scene_options;
 
 PetscErrorCode SceneCreate(Scene *scene);
+PetscErrorCode SceneCreateAmong(PetscBool touch, Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
 PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);

@@ -1,5 +1,6 @@
 #include "system/model.h"
 #include "rod/ask.h"
+#include "rod/strand_rows.h"
 #include <petsc/private/petscimpl.h> /* PetscObjectStateSet() */
 
 /* The parts of a state that are one rod's. They are the same vectors in each state, and count as
@@ -12,10 +13,28 @@ typedef struct {
   RodModel model; /* of all */
   PetscInt *at;
   Part *part;
+  StrandRows rows;          /* of those that touch; NULL: none can */
   Mat window;               /* the part of a matrix that is one rod's: see Window */
   RodSeen seen;             /* the latest state, */
   PetscObjectState changes; /* the how manieth that is */
 } System;
+
+/* ---- strands ---- */
+
+/* What strands do to each rod in a state, or that of none. */
+static PetscErrorCode PushEach(Rod rod, const RodState *at) {
+  const System *self = (const System *)rod->data;
+  const PetscReal(*force)[3], (*couple)[3];
+
+  PetscFunctionBegin;
+  if (!self->rows) PetscFunctionReturn(0);
+  PetscCall(StrandRowsLoad(rod, self->rows, at, &force, &couple));
+  for (PetscInt k = 0; k < rod->rods; k++)
+    rod->each[k]->pushed = (RodPushed){.force = force + 2 * self->at[k],
+                                       .couple = couple + 2 * self->at[k],
+                                       .cells = StrandRowsCell(rod, self->rows, self->at[k])};
+  PetscFunctionReturn(0);
+}
 
 /* ---- states ---- */
 
@@ -28,6 +47,7 @@ static PetscErrorCode Enter(Rod rod, const RodState *at, Vec F) {
   PetscScalar *f = NULL;
 
   PetscFunctionBegin;
+  PetscCall(PushEach(rod, at));
   PetscCall(RodRecognise(at, &self->seen, &known));
   if (!known) self->changes++;
   PetscCall(VecGetArrayRead(at->U, &u));
@@ -144,8 +164,11 @@ static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(self->window, &window));
-  PetscCall(MatZeroEntries(J));
   PetscCall(Enter(rod, at, NULL));
+  if (self->rows)
+    PetscCall(StrandRowsPattern(rod, self->rows, at->fresh, J));
+  else
+    PetscCall(MatZeroEntries(J));
   window->whole = J;
   for (PetscInt k = 0; k < rod->rods; k++) {
     const RodState own = StateOf(rod, k, at);
@@ -153,6 +176,7 @@ static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
     PetscCall(rod->each[k]->model->jacobian(rod->each[k], &own, self->window));
   }
   PetscCall(Leave(rod, NULL));
+  if (self->rows) PetscCall(StrandRowsJacobian(rod, self->rows, at, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -231,6 +255,7 @@ static PetscErrorCode Destroy(Rod rod) {
     PetscCall(VecDestroy(&self->part[k].F));
     PetscCall(RodDestroy(&rod->each[k]));
   }
+  PetscCall(StrandRowsDestroy(&self->rows));
   PetscCall(SceneShareEnd(&rod->scene));
   PetscCall(MatDestroy(&self->window));
   PetscCall(PetscFree(self->at));
@@ -303,9 +328,10 @@ static PetscErrorCode MakeParts(Rod rod) {
   SystemCreate - n rods of one model, which go together, on this rank. They are its own from now on;
   the caller destroys it with RodDestroy(), before their scenes.
 
-  each  with their units
+  each     with their units
+  strands  of those that may touch, which must outlive it; NULL: none can
 */
-PetscErrorCode SystemCreate(PetscInt n, Rod each[], Rod *rod) {
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Strands strands, Rod *rod) {
   System *system;
   Rod self;
 
@@ -328,6 +354,8 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Rod *rod) {
   self->end = system->at[n];
   self->last = self->end - 1;
   PetscCall(OpenWindow(self->end, self->model->fields, &system->window));
+  if (strands) PetscCall(StrandRowsCreate(self, strands, &system->rows));
+  self->coupled = (PetscBool)(strands != NULL);
   for (int k = 0; k < 2; k++) self->kept[k].t = PETSC_MIN_REAL;
   PetscCall(DMDACreate1d(PETSC_COMM_SELF, DM_BOUNDARY_NONE, self->end, self->model->fields, 1, NULL,
                          &self->da));

@@ -4,7 +4,8 @@
 #define TENDRIL_SYSTEM_MODEL_H
 
 #include "rod/rod.h"
+#include "rod/strands.h"
 
-PetscErrorCode SystemCreate(PetscInt n, Rod each[], Rod *rod);
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Strands strands, Rod *rod);
 
 #endif
