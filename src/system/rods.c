@@ -32,6 +32,7 @@ typedef struct {
   const char *file;  /* where the rod was named */
   int line;
   PetscBool sectioned; /* it has a section */
+  StrandMeeting how;   /* of a pair */
   PetscOptions options;
   Reading reading;
   PetscInt n, room;
@@ -385,8 +386,17 @@ static PetscErrorCode ReadGiven(Rods self) {
   PetscFunctionReturn(0);
 }
 
-/* What pairs are said to have can be read. */
-static PetscErrorCode OpenPairs(Rods self) {
+/* Options are those of one rod, or of one pair. */
+static PetscErrorCode Enter(Rods self, OneRod *rod) {
+  PetscFunctionBegin;
+  PetscCall(OptionsEnter(rod->reading));
+  self->entered = PETSC_TRUE;
+  ErrorsLocate(Locate, rod);
+  PetscFunctionReturn(0);
+}
+
+/* Reads what pairs are said to have. */
+static PetscErrorCode TakePairs(Rods self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->pairs; k++) {
     OneRod *pair = &self->pair[k];
@@ -394,6 +404,12 @@ static PetscErrorCode OpenPairs(Rods self) {
     for (PetscInt i = 0; i < pair->n; i++)
       PetscCall(PetscOptionsSetValue(pair->options, pair->said[i].name, pair->said[i].value));
     PetscCall(ReadingCreate(PETSC_COMM_SELF, pair->options, NULL, &pair->reading));
+    PetscCall(Enter(self, pair));
+    pair->how = (StrandMeeting){.touch = PETSC_TRUE, .friction = -1};
+    PetscCall(OptionBool("-contact", &pair->how.touch, NULL));
+    PetscCall(OptionReal("-contact_friction", &pair->how.friction, NULL));
+    PetscCall(OptionReal("-contact_stiffness", &pair->how.stiffness, NULL));
+    PetscCall(RodsLeave(self));
   }
   self->touch = (PetscBool)(self->pairs > 0);
   PetscCall(OptionBool("-contact_rods", &self->touch, NULL));
@@ -415,7 +431,7 @@ PetscErrorCode RodsRead(const OptionWords *words, Rods *rods) {
   PetscCall(PetscNew(rods));
   self = *rods;
   PetscCall(ReadSections(self, words));
-  PetscCall(OpenPairs(self));
+  PetscCall(TakePairs(self));
   for (PetscInt k = 0; k < self->n; k++) PetscCall(PetscOptionsCreate(&self->rod[k].options));
   PetscCall(ReadGiven(self));
   for (PetscInt k = 0; k < self->n; k++) {
@@ -466,9 +482,7 @@ const char *RodsName(Rods self, PetscInt k) {
    RodsLeave(); RodsDestroy() does that after an error. */
 PetscErrorCode RodsEnter(Rods self, PetscInt k) {
   PetscFunctionBegin;
-  PetscCall(OptionsEnter(self->rod[k].reading));
-  self->entered = PETSC_TRUE;
-  ErrorsLocate(Locate, &self->rod[k]);
+  PetscCall(Enter(self, &self->rod[k]));
   PetscFunctionReturn(0);
 }
 
@@ -486,27 +500,33 @@ PetscBool RodsTouch(Rods self) {
   return (PetscBool)(self->touch || self->pairs > 0);
 }
 
-/* What one pair is said to have: taken over what there is. */
-static PetscErrorCode TakePair(OneRod *pair, StrandMeeting *how) {
-  PetscFunctionBegin;
-  ErrorsLocate(Locate, pair);
-  PetscCall(OptionsEnter(pair->reading));
-  how->touch = PETSC_TRUE;
-  PetscCall(OptionBool("-contact", &how->touch, NULL));
-  PetscCall(OptionReal("-contact_friction", &how->friction, NULL));
-  PetscCall(OptionReal("-contact_stiffness", &how->stiffness, NULL));
-  PetscCall(OptionsLeave());
-  ErrorsLocate(NULL, NULL);
-  PetscFunctionReturn(0);
+/* RodsMeet - how two of them touch: by what pairs are said to have, of which the later counts. */
+void RodsMeet(Rods self, PetscInt a, PetscInt b, StrandMeeting *how) {
+  *how = (StrandMeeting){.touch = self->touch, .friction = -1};
+  for (PetscInt k = 0; k < self->pairs; k++) {
+    const OneRod *pair = &self->pair[k];
+    if (!IsPair(pair, &self->rod[a], &self->rod[b])) continue;
+    how->touch = pair->how.touch;
+    if (pair->how.friction >= 0) how->friction = pair->how.friction;
+    if (pair->how.stiffness > 0) how->stiffness = pair->how.stiffness;
+  }
 }
 
-/* RodsMeet - how two of them touch: by what pairs are said to have, of which the later counts. */
-PetscErrorCode RodsMeet(Rods self, PetscInt a, PetscInt b, StrandMeeting *how) {
+/* RodsRefuseThin - refuses a pair with rod k, which has no diameter, unless it says that these do
+   not touch. */
+PetscErrorCode RodsRefuseThin(Rods self, PetscInt k) {
+  size_t n;
+
   PetscFunctionBegin;
-  *how = (StrandMeeting){.touch = self->touch, .friction = -1};
-  for (PetscInt k = 0; k < self->pairs; k++)
-    if (IsPair(&self->pair[k], &self->rod[a], &self->rod[b]))
-      PetscCall(TakePair(&self->pair[k], how));
+  for (PetscInt p = 0; p < self->pairs; p++) {
+    const OneRod *pair = &self->pair[p];
+    if (!pair->how.touch) continue;
+    ErrorsLocate(Locate, pair);
+    for (const char *name = NextName(pair->pair, &n); name; name = NextName(name + n, &n))
+      UserCheck(!IsCalled(&self->rod[k], name, n), OptionsComm(),
+                "rod %s has no thickness; give it a -contact_diameter", self->rod[k].name);
+    ErrorsLocate(NULL, NULL);
+  }
   PetscFunctionReturn(0);
 }
 

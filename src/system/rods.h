@@ -20,7 +20,8 @@ PetscErrorCode RodsEnter(Rods rods, PetscInt k);
 PetscErrorCode RodsLeave(Rods rods);
 PetscErrorCode RodsRefuseUnread(Rods rods);
 PetscBool RodsTouch(Rods rods);
-PetscErrorCode RodsMeet(Rods rods, PetscInt a, PetscInt b, StrandMeeting *how);
+void RodsMeet(Rods rods, PetscInt a, PetscInt b, StrandMeeting *how);
+PetscErrorCode RodsRefuseThin(Rods rods, PetscInt k);
 PetscErrorCode RodsText(Rods rods, char **text);
 
 #endif

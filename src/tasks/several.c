@@ -9,20 +9,16 @@
 #include "tasks/growing.h"
 #include "tasks/grow_rules.h"
 #include <petsctime.h>
-#include <petsc/private/petscimpl.h> /* PetscObjectStateGet() */
 
 typedef struct {
   Rods rods;
   PetscInt n;
   Scene *scene;
-  Leg leg;            /* of all */
-  Strands strands[2]; /* of those that may touch, for the stepper and for who looks; NULL: none */
-  struct {
-    PetscReal t;
-    PetscObjectState state;
-    PetscBool moves;
-  } looked;   /* of what the latter know */
-  Grow *each; /* what is seen of each */
+  Leg leg;              /* of all */
+  Strands strands[2];   /* of those that may touch, for the stepper and for who looks; NULL: none */
+  RodSeen looked;       /* the state that the latter know, */
+  PetscBool with_rates; /* ... and whether with its rates */
+  Grow *each;           /* what is seen of each */
   Output *output;
   Several file;
   const char *restart; /* the file to go on from; empty: none */
@@ -130,7 +126,7 @@ static PetscErrorCode ReadOptions(Run *self) {
 /* RodsMeet() */
 static PetscErrorCode Meet(void *ctx, PetscInt a, PetscInt b, StrandMeeting *how) {
   PetscFunctionBegin;
-  PetscCall(RodsMeet((Rods)ctx, a, b, how));
+  RodsMeet((Rods)ctx, a, b, how);
   PetscFunctionReturn(0);
 }
 
@@ -143,7 +139,7 @@ static PetscErrorCode MakeStrands(Run *self) {
     if (self->scene[k]->contact.among) any = PETSC_TRUE;
   for (int i = 0; i < 2 && any; i++)
     PetscCall(StrandsCreateSeveral(self->n, self->scene, Meet, self->rods, &self->strands[i]));
-  self->looked.t = -1;
+  RodForget(&self->looked);
   PetscFunctionReturn(0);
 }
 
@@ -159,6 +155,7 @@ static PetscErrorCode MakeLeg(Run *self) {
     PetscCall(RodFindUnits(each[k]));
     PetscCall(RodHoldTip(each[k]));
     PetscCall(RodsLeave(self->rods));
+    if (self->scene[k]->contact.diameter <= 0) PetscCall(RodsRefuseThin(self->rods, k));
   }
   PetscCall(MakeStrands(self));
   PetscCall(SystemCreate(self->n, each, self->strands[0], &all));
@@ -211,16 +208,13 @@ static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool 
                                   StrandsOn *on) {
   Run *self = (Run *)ctx;
   const PetscInt first = 2 * StrandsFirst(self->strands[1], k);
-  PetscObjectState state;
+  const RodState at = {.t = t, .U = self->leg.U, .U_t = self->leg.U};
+  PetscBool known;
 
   PetscFunctionBegin;
-  PetscCall(PetscObjectStateGet((PetscObject)self->leg.U, &state));
-  if (self->looked.t != t || self->looked.state != state || self->looked.moves != moves) {
-    PetscCall(LookAtTime(self, t, moves));
-    self->looked.t = t;
-    self->looked.state = state;
-    self->looked.moves = moves;
-  }
+  PetscCall(RodRecognise(&at, &self->looked, &known));
+  if (!known || self->with_rates != moves) PetscCall(LookAtTime(self, t, moves));
+  self->with_rates = moves;
   StrandsSum(self->strands[1], k, &on->sum);
   on->force = StrandsForces(self->strands[1]) + first;
   on->couple = StrandsCouples(self->strands[1]) + first;
@@ -637,9 +631,28 @@ static PetscErrorCode Finish(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses rods that begin within each other. */
+static PetscErrorCode CheckApart(Run *self, PetscInt k) {
+  const Contact *contact = &self->scene[k]->contact;
+  char depth[64], place[96];
+  StrandsOn on;
+
+  PetscFunctionBegin;
+  if (!contact->among) PetscFunctionReturn(0);
+  PetscCall(TellStrands(self, k, 0, PETSC_FALSE, &on));
+  UserCheck(on.sum.rod == k || on.sum.nearest >= -contact->smooth, OptionsComm(),
+            "rods %s and %s are %s deep in each other at the start, at %s; give one another "
+            "-clamp_place, or take -contact false for [pair %s %s]",
+            RodsName(self->rods, k), RodsName(self->rods, on.sum.rod),
+            OptionBoth(-on.sum.nearest, UNIT_LENGTH, depth), OptionPlace(on.sum.x, place),
+            RodsName(self->rods, k), RodsName(self->rods, on.sum.rod));
+  PetscFunctionReturn(0);
+}
+
 /* Each begins where it can, all of them being where they begin. */
 static PetscErrorCode CheckStarts(Run *self) {
   PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) PetscCall(CheckApart(self, k));
   for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) {
     PetscCall(RodsEnter(self->rods, k));
     PetscCall(GrowCheckStart(&self->each[k]));
