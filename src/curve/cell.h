@@ -8,6 +8,9 @@
 #include "base/plane.h"
 #include "base/vectors.h"
 
+/* The points of a cell that laws are known at, in this order. */
+enum { AT_A, AT_MID, AT_B };
+
 /*
   CurveParabola - the parts that values at both ends of a cell and between them have in a place z of
   the parabola through them, and in its slope by z; either may be NULL.

@@ -143,8 +143,10 @@ static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, co
 
   CurveParabola(z, w, NULL);
   for (int d = 0; d < 3; d++) {
-    x[d] = w[0] * a->node.x3[d] + w[1] * mid->node.x3[d] + w[2] * b->node.x3[d];
-    v[d] = w[0] * a->at.v[d] + w[1] * mid->at.v[d] + w[2] * b->at.v[d];
+    const PetscReal x_at[3] = {a->node.x3[d], mid->node.x3[d], b->node.x3[d]},
+                    v_at[3] = {a->at.v[d], mid->at.v[d], b->at.v[d]};
+    x[d] = CurveSum(w, x_at);
+    v[d] = CurveSum(w, v_at);
   }
   seen->mid_distance = PetscSqrtReal(Dot3(x, x));
   seen->mid_speed = PetscSqrtReal(Dot3(v, v));

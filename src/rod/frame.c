@@ -60,8 +60,8 @@ static void PointAtMid(const Load *load, const Law law[3], const FrictionDual *d
                        const Point *a, const Point *b, const PetscReal *ua_t, const PetscReal *ub_t,
                        Point *p) {
   PetscReal wa[2], wb[2];
-  VelocitySlope(&law[0], a, ua_t[TH], wa);
-  VelocitySlope(&law[2], b, ub_t[TH], wb);
+  VelocitySlope(&law[AT_A], a, ua_t[TH], wa);
+  VelocitySlope(&law[AT_B], b, ub_t[TH], wb);
   const PetscReal theta = CurveMid(k, a->theta, a->f[TH], b->theta, b->f[TH]);
   p->theta = theta;
   p->m = CurveMid(k, a->m, a->f[M], b->m, b->f[M]);
@@ -69,11 +69,11 @@ static void PointAtMid(const Load *load, const Law law[3], const FrictionDual *d
   p->at.q[1] = PetscSinReal(theta);
   for (int d = 0; d < 2; d++) {
     p->n[d] = CurveMid(k, a->n[d], a->f[N1 + d], b->n[d], b->f[N1 + d]);
-    p->at.v[d] = CurveMid(k, ua_t[X1 + d], wa[d], ub_t[X1 + d], wb[d]) + law[1].c * p->at.q[d];
+    p->at.v[d] = CurveMid(k, ua_t[X1 + d], wa[d], ub_t[X1 + d], wb[d]) + law[AT_MID].c * p->at.q[d];
   }
   for (int d = 0; d < 2 && load->moves; d++)
     p->at.x[d] = CurveMid(k, a->at.x[d], a->f[X1 + d], b->at.x[d], b->f[X1 + d]);
-  PointEvaluate(load, &law[1], dual, p);
+  PointEvaluate(load, &law[AT_MID], dual, p);
 }
 
 /* The laws at all points of the owned nodes and the cells beside them, at time t. */
@@ -142,7 +142,7 @@ static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
    its middle. */
 static FrictionDual *HeldAt(const Cell *cell) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  return cell->rod->scene->contact.walls.rub ? cell->dual[1] + frame->duals - 1 : NULL;
+  return cell->rod->scene->contact.walls.rub ? cell->dual[AT_MID] + frame->duals - 1 : NULL;
 }
 
 /* The feet of the cell, and what they push with; returns how many. */
@@ -168,10 +168,10 @@ static void AddFeet(Cell *cell, PetscInt i) {
   if (!CellsFeet(cell, i, &of, &feet)) return;
   FeetHandOut(&of, &feet, load);
   for (int d = 0; d < 2; d++) {
-    mid->n[d] += frame->bow * cell->h * (load[0][d] - load[2][d]);
-    mid->f[N1 + d] += load[1][d];
+    mid->n[d] += frame->bow * cell->h * (load[AT_A][d] - load[AT_B][d]);
+    mid->f[N1 + d] += load[AT_MID][d];
   }
-  mid->f[M] = -cell->law[1].g * (mid->at.q[0] * mid->n[1] - mid->at.q[1] * mid->n[0]);
+  mid->f[M] = -cell->law[AT_MID].g * (mid->at.q[0] * mid->n[1] - mid->at.q[1] * mid->n[0]);
 }
 
 /* The rates at node i, or their shifts: a place that is held at rest has none. */
@@ -262,7 +262,7 @@ static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   if (cell->known) return;
   PetscReal still[FIELDS];
   cell->mid->at.t = cell->t;
-  PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
+  PointAtMid(cell->load, cell->law, cell->dual[AT_MID], frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], Still(cell, i + 1, cell->u_t[i + 1], still), cell->mid);
   AddPush(cell, i, 1, cell->mid);
   if (frame->feet) AddFeet(cell, i);
@@ -274,7 +274,7 @@ static void CellsNext(Cell *cell, PetscInt i) {
 
 /* (h g)^2/B in the middle of a cell, see FootLoad. */
 static PetscReal KinkOf(const Cell *cell) {
-  return PetscSqr(cell->h * cell->law[1].g) * cell->law[1].flex;
+  return PetscSqr(cell->h * cell->law[AT_MID].g) * cell->law[AT_MID].flex;
 }
 
 /* Residual of the six equations of a cell; feet: what they add to n' at its points, NULL: none. */
@@ -286,7 +286,8 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
            cell->h * (frame->end_weight * (cell->a->f[f] + cell->b->f[f]) +
                       frame->mid_weight * cell->mid->f[f]);
   if (!feet) return;
-  for (int d = 0; d < 2; d++) r[N1 + d] -= cell->h * frame->end_weight * (feet[0][d] + feet[2][d]);
+  for (int d = 0; d < 2; d++)
+    r[N1 + d] -= cell->h * frame->end_weight * (feet[AT_A][d] + feet[AT_B][d]);
   r[TH] -= KinkOf(cell) *
            (cell->mid->at.q[0] * feet[FOOT_KINK][1] - cell->mid->at.q[1] * feet[FOOT_KINK][0]);
 }
@@ -469,7 +470,7 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
                          PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
   const Frame *frame = (const Frame *)cell->rod->data;
   const PetscReal h = cell->h, *q = cell->mid->at.q,
-                  wm = h * frame->mid_weight * cell->law[1].g * frame->bow * h;
+                  wm = h * frame->mid_weight * cell->law[AT_MID].g * frame->bow * h;
   const PetscReal kink = KinkOf(cell);
   PetscReal turn; /* of the kink by the angle in the middle */
   FootSlope by;
@@ -485,18 +486,19 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
   turn = -kink * (q[0] * load[FOOT_KINK][0] + q[1] * load[FOOT_KINK][1]);
   left[TH][TH] -= turn / 2;
   right[TH][TH] -= turn / 2;
-  left[TH][M] -= turn * frame->bow * h * cell->law[0].g * cell->law[0].flex;
-  right[TH][M] += turn * frame->bow * h * cell->law[2].g * cell->law[2].flex;
+  left[TH][M] -= turn * frame->bow * h * cell->law[AT_A].g * cell->law[AT_A].flex;
+  right[TH][M] += turn * frame->bow * h * cell->law[AT_B].g * cell->law[AT_B].flex;
   FootEnds(cell, i, shift, end);
   FeetLinearise(&cell->rod->scene->contact, &of, end, cell->fresh, HeldAt(cell), &feet, by);
   for (int u = 0; u < 2 * 3; u++) {
     PetscReal(*J)[FIELDS] = u < 3 ? left : right;
-    const PetscReal bow[2] = {by[0][0][u] - by[2][0][u], by[0][1][u] - by[2][1][u]}; /* n_mid */
+    const PetscReal bow[2] = {by[AT_A][0][u] - by[AT_B][0][u],
+                              by[AT_A][1][u] - by[AT_B][1][u]}; /* n_mid */
     J[TH][u % 3] -= kink * (q[0] * by[FOOT_KINK][1][u] - q[1] * by[FOOT_KINK][0][u]);
     J[M][u % 3] -= wm * (q[1] * bow[0] - q[0] * bow[1]);
     for (int d = 0; d < 2; d++)
-      J[N1 + d][u % 3] -=
-          h * (frame->end_weight * (by[0][d][u] + by[2][d][u]) + frame->mid_weight * by[1][d][u]);
+      J[N1 + d][u % 3] -= h * (frame->end_weight * (by[AT_A][d][u] + by[AT_B][d][u]) +
+                               frame->mid_weight * by[AT_MID][d][u]);
   }
 }
 
@@ -514,16 +516,17 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
   const Frame *frame = (const Frame *)cell->rod->data;
   PetscReal still[FIELDS];
 
-  if (!new_a) cell->slope[0] = cell->slope[2];
-  if (!new_b) cell->slope[2] = cell->slope[0];
+  if (!new_a) cell->slope[AT_A] = cell->slope[AT_B];
+  if (!new_b) cell->slope[AT_B] = cell->slope[AT_A];
   if (new_a) Linearise(cell, 0, cell->a);
   if (new_b) Linearise(cell, 2, cell->b);
   Linearise(cell, 1, cell->mid);
-  CellJacobian(frame, cell->load, cell->h, -1, shift, cell->law, cell->law + 1, cell->u_t[i][TH],
-               cell->a, &cell->slope[0], cell->mid, &cell->slope[1], left);
-  CellJacobian(frame, cell->load, cell->h, 1, ShiftsAt(cell, i + 1, shift, still), cell->law + 2,
-               cell->law + 1, cell->u_t[i + 1][TH], cell->b, &cell->slope[2], cell->mid,
-               &cell->slope[1], right);
+  CellJacobian(frame, cell->load, cell->h, -1, shift, cell->law, cell->law + AT_MID,
+               cell->u_t[i][TH], cell->a, &cell->slope[AT_A], cell->mid, &cell->slope[AT_MID],
+               left);
+  CellJacobian(frame, cell->load, cell->h, 1, ShiftsAt(cell, i + 1, shift, still), cell->law + AT_B,
+               cell->law + AT_MID, cell->u_t[i + 1][TH], cell->b, &cell->slope[AT_B], cell->mid,
+               &cell->slope[AT_MID], right);
   if (frame->feet) AddFeetSlope(cell, i, shift, left, right);
 }
 
@@ -553,7 +556,8 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
                   .at = {cell->a, cell->mid, cell->b}};
 
   for (int e = 0; e < 2; e++) of.turn[e] = cell->u_t[i + e][TH];
-  if (!new_a) cell->slope[0] = cell->slope[2]; /* (each slope is brought up to the state once) */
+  if (!new_a)
+    cell->slope[AT_A] = cell->slope[AT_B]; /* (each slope is brought up to the state once) */
   for (int k = new_a ? 0 : 1; k < 3; k++) Linearise(cell, k, of.at[k]);
   for (int k = 0; k < 3; k++) of.slope[k] = &cell->slope[k];
   FrameLearnedResidual(cell->rod, i, cell->h, cell->a, cell->mid, cell->b); /* what drives it */
@@ -584,10 +588,10 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     CellsNext(&cell, i);
     if (i == 0) YieldBegins(&cell, end);
     YieldBlocks(&cell, i, (PetscBool)(i == begin), at->shift, left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? end[0] : NULL, &learned, left[0], right[0],
-                            &learned.slope[0], learned.clock[0][0], NULL, room, J));
+                            &learned.slope[AT_A], learned.clock[AT_A][0], NULL, room, J));
   }
   if (rod->end > rod->last) {
     FrameLearnedResidual(rod, rod->last, 0, cell.b, NULL, NULL);
@@ -595,10 +599,10 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     PetscCall(PetscMemzero(end, sizeof(end)));
     for (int r = 0; r < TIP_ROWS; r++) PetscCall(PetscArraycpy(end[r], by[r], FIELDS));
     FrameYieldEnd(at->shift, end[LINE_HALF]);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
-    LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2],
-                            learned.clock[2][1], end[0], room, J));
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], at->shift);
+    LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B],
+                            learned.clock[AT_B][1], end[0], room, J));
   }
   PetscCall(CellsClose(&cell));
   PetscCall(PetscFree(room));
@@ -614,7 +618,7 @@ static void KeepCell(const Cell *cell, StrandCell *kept) {
   *kept = (StrandCell){.end_weight = cell->h * frame->end_weight,
                        .mid_weight = cell->h * frame->mid_weight,
                        .bow = cell->h * frame->bow,
-                       .g = cell->law[1].g,
+                       .g = cell->law[AT_MID].g,
                        .q = {cell->mid->at.q[0], cell->mid->at.q[1]}};
 }
 
@@ -637,18 +641,18 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
     FrameLearnedCell(rod, i, cell.h, cell.a, cell.mid, cell.b, PETSC_TRUE,
                      (PetscBool)(i + 1 == rod->last), left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     if (frame->strands && i >= rod->first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
-                            &learned.slope[0], NULL, NULL, room, J));
+                            &learned.slope[AT_A], NULL, NULL, room, J));
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, cell.b, at->shift, by);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
-    LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], NULL, by[0],
-                            room, J));
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], at->shift);
+    LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B], NULL,
+                            by[0], room, J));
   }
   PetscCall(CellsClose(&cell));
   PetscCall(PetscFree(room));
@@ -744,10 +748,10 @@ static void Condense(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
 
   FrameLearnedCell(rod, i, cell->h, cell->a, cell->mid, cell->b, new_a, new_b, left, right,
                    &learned);
-  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[0], shift);
-  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[2], shift);
+  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[AT_A], shift);
+  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[AT_B], shift);
   LearnedCondense(rod, i, &learned, shift, left[0], right[0]);
-  if (i + 1 == rod->last) LearnedSignalSlope(rod, &learned.slope[2], shift);
+  if (i + 1 == rod->last) LearnedSignalSlope(rod, &learned.slope[AT_B], shift);
 }
 
 /* The same matrix, not assembled: each cell is eliminated as soon as it is known. The last of
@@ -848,7 +852,7 @@ static PetscErrorCode FrameBears(Rod rod, const RodState *at, RodForces *sum) {
     CellsNext(&cell, i);
     if (i < rod->first) continue;
     if (i == rod->first)
-      LoadParts(2, cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
+      LoadParts(2, cell.load, &cell.a->at, cell.dual[AT_A], end.friction, end.walls, &end.moved);
     AddForces(&cell, i, &end, sum);
   }
   if (rod->end == rod->last + 1) AddTip(&cell, sum);
@@ -874,9 +878,9 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
-      HoldPoint(cell.load, &cell.a->at, seen, cell.dual[0], creep);
-    HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[1], creep);
-    if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);
+      HoldPoint(cell.load, &cell.a->at, seen, cell.dual[AT_A], creep);
+    HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[AT_MID], creep);
+    if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[AT_B], creep);
     if (frame->feet) HoldFeet(&cell, i, seen, creep);
   }
   if (rod->end == rod->last + 1) {

@@ -53,7 +53,7 @@ static void PairDefect(const Frame *frame, const Contact *contact, const Load *l
   const PetscReal h1 = s[1] - s[0], h2 = s[2] - s[1], h = h1 + h2;
   const Point *p = frame->point + k;
   const Law *law = frame->law + k;
-  const PetscReal part = PairSees(contact, law[2].g * h / 2);
+  const PetscReal part = PairSees(contact, law[AT_B].g * h / 2);
   PetscReal weight[PLACES], value[FIELDS][PLACES];
   const Load *seen = part < 1 ? bare : load;
   Point cubic;

@@ -133,11 +133,11 @@ void FrameLearnedSlopes(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
   PetscReal x[2];
 
   MidPlace(frame->bow * h, a, b, x);
-  if (at_a) SeeSlope(rod, place, a->at.x, a, &cell->slope[0]);
-  SeeSlope(rod, place + 1, x, mid, &cell->slope[1]);
-  if (at_b) SeeSlope(rod, place + 2, b->at.x, b, &cell->slope[2]);
-  memset(cell->column[1], 0, sizeof(cell->column[1]));
-  cell->column[1][0][TH] = -h * frame->mid_weight * frame->law[place + 1].g;
+  if (at_a) SeeSlope(rod, place, a->at.x, a, &cell->slope[AT_A]);
+  SeeSlope(rod, place + 1, x, mid, &cell->slope[AT_MID]);
+  if (at_b) SeeSlope(rod, place + 2, b->at.x, b, &cell->slope[AT_B]);
+  memset(cell->column[AT_MID], 0, sizeof(cell->column[AT_MID]));
+  cell->column[AT_MID][0][TH] = -h * frame->mid_weight * frame->law[place + 1].g;
 }
 
 /* FrameLearnedCell - a cell's part, from its equations by its nodes; the slopes at these where they
@@ -149,11 +149,11 @@ void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Po
   const Frame *frame = (const Frame *)rod->data;
   const PetscInt place = 2 * (i - rod->first + 1);
   const Law *law = frame->law + place;
-  const PetscReal k = frame->bow * h, wm = h * frame->mid_weight * law[1].g;
+  const PetscReal k = frame->bow * h, wm = h * frame->mid_weight * law[AT_MID].g;
 
   FrameLearnedSlopes(rod, i, h, a, mid, b, at_a, at_b, cell);
   MidByEnd(k, law, a, cell->by_node[0], cell->by_bend[0][0]);
-  MidByEnd(-k, law + 2, b, cell->by_node[1], cell->by_bend[1][0]);
-  ColumnOf(left, -1, -wm * law[1].flex / 2, law[0].flex, cell->column[0][0]);
-  ColumnOf(right, 1, -wm * law[1].flex / 2, law[2].flex, cell->column[2][0]);
+  MidByEnd(-k, law + AT_B, b, cell->by_node[1], cell->by_bend[1][0]);
+  ColumnOf(left, -1, -wm * law[AT_MID].flex / 2, law[AT_A].flex, cell->column[AT_A][0]);
+  ColumnOf(right, 1, -wm * law[AT_MID].flex / 2, law[AT_B].flex, cell->column[AT_B][0]);
 }

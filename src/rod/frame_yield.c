@@ -96,10 +96,11 @@ void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
   const PetscReal *w = learned->w + at * 2;
   PetscReal *row = learned->w_row + at * 2;
 
-  row[2 + V] = w[2 + V] - w[V] -
-               h * (frame->end_weight * (SlopeOfV(rod, law[0].s, law[0].g, a->at.q, a->n) +
-                                         SlopeOfV(rod, law[2].s, law[2].g, b->at.q, b->n)) +
-                    frame->mid_weight * SlopeOfV(rod, law[1].s, law[1].g, mid->at.q, mid->n));
+  row[2 + V] =
+      w[2 + V] - w[V] -
+      h * (frame->end_weight * (SlopeOfV(rod, law[AT_A].s, law[AT_A].g, a->at.q, a->n) +
+                                SlopeOfV(rod, law[AT_B].s, law[AT_B].g, b->at.q, b->n)) +
+           frame->mid_weight * SlopeOfV(rod, law[AT_MID].s, law[AT_MID].g, mid->at.q, mid->n));
   row[L] = w[2 + L] - w[L];
 }
 
@@ -170,7 +171,7 @@ typedef struct {
 } Column;
 
 static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unknown, Column *of) {
-  const Law *law = cell->law + 2 * e, *mid_law = cell->law + 1;
+  const Law *law = cell->law + 2 * e, *mid_law = cell->law + AT_MID;
   const Point *p = cell->at[2 * e], *mid = cell->at[1];
   const PetscReal *q = p->at.q, *shift = cell->shift[e], k = e ? -cell->bow : cell->bow;
   PetscReal x_t[2], turn, rate, slide, w[2], mid_slide;
@@ -205,7 +206,7 @@ static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unkno
     m->v[j] = CurveMidOf(k, x_t[j], w[j]) + mid_slide * mid->at.q[j] +
               mid_law->c * (j ? mid->at.q[0] : -mid->at.q[1]) * m->theta;
   }
-  Vary(rod, mid_law, mid, cell->slope[1], m, of->at_mid);
+  Vary(rod, mid_law, mid, cell->slope[AT_MID], m, of->at_mid);
 }
 
 /* How the clocks of a cell's places go with an unknown: that of the node, e = w y/g, and that of
@@ -213,8 +214,8 @@ static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unkno
 static void Clocks(const Rod rod, const YieldCell *cell, int e, int unknown, const Column *of,
                    PetscReal clock[3][2][LEARNED_MOST]) {
   const Learned learned = rod->learned;
-  const PetscReal *a = learned->clock + cell->place, g = cell->law[2 * e].g, g_mid = cell->law[1].g,
-                  sign = e ? 1 : -1;
+  const PetscReal *a = learned->clock + cell->place, g = cell->law[2 * e].g,
+                  g_mid = cell->law[AT_MID].g, sign = e ? 1 : -1;
 
   if (rod->scene->tropism.by_rate) return;
   clock[2 * e][e][unknown] = (of->at_node[OF_V] - a[2 * e] * of->node.g) / g;

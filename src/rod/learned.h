@@ -5,6 +5,7 @@
 #ifndef TENDRIL_LEARNED_H
 #define TENDRIL_LEARNED_H
 
+#include "curve/cell.h"
 #include "rod/rod.h"
 
 enum { LEARNED_MOST = 13, LEARNED_STENCIL = 6 }; /* unknowns of the mechanics of a node, at most */

@@ -355,7 +355,7 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   PetscCall(DMDAVecRestoreArrayRead(da, ghosted, &with));
   PetscCall(DMRestoreLocalVector(da, &ghosted));
   PetscCall(DMRestoreGlobalVector(da, &owned));
-  for (int d = 0; d < (rod->model->space ? 3 : 2); d++) PetscCall(RodSumAlong(rod, n, dx[d]));
+  for (int d = 0; d < RodDims(rod->model); d++) PetscCall(RodSumAlong(rod, n, dx[d]));
   for (PetscInt k = 0; k < n; k++) {
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t0, &g[0], NULL, NULL));
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t1, &g[1], NULL, NULL));
@@ -392,8 +392,7 @@ void RodPlanePart(Node *node) {
 
   Directors(node->p, size, d);
   node->theta = atan2(PetscSqrtReal(PetscSqr(d[0][1]) + PetscSqr(d[0][2])), d[0][0]);
-  node->moment =
-      PetscSqrtReal(PetscSqr(node->m3[0]) + PetscSqr(node->m3[1]) + PetscSqr(node->m3[2]));
+  node->moment = Size3(node->m3);
   for (int k = 0; k < 2; k++) {
     node->x[k] = node->x3[k];
     node->force[k] = node->n3[k];
