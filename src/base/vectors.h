@@ -29,6 +29,18 @@ static inline void Minus3(const PetscReal a[3], const PetscReal b[3], PetscReal 
   for (int d = 0; d < 3; d++) c[d] = a[d] - b[d];
 }
 
+/* Names its components. */
+static inline void Split3(const PetscReal a[3], PetscReal *x, PetscReal *y, PetscReal *z) {
+  *x = a[0];
+  *y = a[1];
+  *z = a[2];
+}
+
+/* b = s a */
+static inline void Times3(PetscReal s, const PetscReal a[3], PetscReal b[3]) {
+  for (int d = 0; d < 3; d++) b[d] = s * a[d];
+}
+
 static inline void Zero3(PetscReal a[3]) {
   for (int d = 0; d < 3; d++) a[d] = 0;
 }

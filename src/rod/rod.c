@@ -259,10 +259,10 @@ static PetscErrorCode InitialMoment(Scene scene, PetscReal s, PetscReal t, Petsc
 
 /* Its force across, of which m' = -g q x n: n = (n.q) q - m'/g q_perp. */
 static PetscErrorCode InitialShear(Scene scene, PetscReal s, PetscReal t, Node *node) {
-  const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
+  const Vector2 q = Direction2(node->theta);
   const PetscReal middle = PetscMax(rod_rule.slope_step, PetscMin(1 - rod_rule.slope_step, s));
   const PetscReal at[3] = {middle - rod_rule.slope_step, middle, middle + rod_rule.slope_step};
-  PetscReal g, m, D[3], slope = 0, along, across;
+  PetscReal g, m, D[3], slope = 0;
 
   PetscFunctionBegin;
   LagrangeSlopes(3, at, s, D);
@@ -271,10 +271,7 @@ static PetscErrorCode InitialShear(Scene scene, PetscReal s, PetscReal t, Node *
     slope += D[k] * m;
   }
   PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
-  along = node->force[0];
-  across = -slope / g;
-  node->force[0] = along * q[0] - across * q[1];
-  node->force[1] = along * q[1] + across * q[0];
+  Put2(Along2(Times2(node->force[0], q), -slope / g, Left2(q)), node->force);
   PetscFunctionReturn(0);
 }
 

@@ -66,22 +66,23 @@ static void Advance(const struct _Strands *self, Pair *pair, PetscBool fresh) {
 static void SlopeInPlane(const struct _Strands *self, Pair *pair, PetscBool fresh,
                          const CurveMotion motion[2], PairSlope *by) {
   enum { CELL = 2 * 3 };
-  const PetscReal t[2] = {-pair->n[1], pair->n[0]},
-                  V[2] = {motion[0].v[0] - motion[1].v[0], motion[0].v[1] - motion[1].v[1]};
+  const Vector2 t = Left2(From2(pair->n)), V = Minus2(From2(motion[0].v), From2(motion[1].v)),
+                slides = From2(motion[1].v_z);
   PetscReal w;
-  CurveBy skip, v[2];
+  CurveBy skip, at, foot;
 
   Advance(self, pair, fresh);
-  w = pair->w[0] * t[0] + pair->w[1] * t[1];
-  MotionBy(2, self, &pair->at, &motion[0], skip, v[0]);
-  MotionBy(2, self, &pair->foot, &motion[1], skip, v[1]);
+  w = Dot2(From2(pair->w), t);
+  MotionBy(2, self, &pair->at, &motion[0], skip, at);
+  MotionBy(2, self, &pair->foot, &motion[1], skip, foot);
   for (int f = 0; f < 2 * CELL; f++) {
-    const int of_foot = f >= CELL, g = f % CELL;
-    const PetscReal dt[2] = {-by->n[1][f], by->n[0][f]};
-    PetscReal slip = V[0] * dt[0] + V[1] * dt[1];
-    for (int d = 0; d < 2; d++)
-      slip += t[d] * ((of_foot ? -1 : 1) * v[of_foot][d][g] - motion[1].v_z[d] * by->z[f]);
-    for (int d = 0; d < 2; d++) by->w[d][f] = w * dt[d] + pair->w_slip * t[d] * slip;
+    const Vector2 dt = Left2(Column2(by->n[0], STRAND_UNKNOWNS, f)),
+                  v = f < CELL ? Column2(at[0], 2 * CURVE_NODE, f)
+                               : Times2(-1, Column2(foot[0], 2 * CURVE_NODE, f - CELL)),
+                  moves = Along2(v, -by->z[f], slides);
+    const PetscReal slip = Dot2(V, dt) + t.x * moves.x + t.y * moves.y;
+    by->w[0][f] = w * dt.x + pair->w_slip * t.x * slip;
+    by->w[1][f] = w * dt.y + pair->w_slip * t.y * slip;
   }
 }
 

@@ -116,14 +116,11 @@ static void JointInSpace(const PetscReal p[4], const PetscReal p_t[4], PetscReal
 /* One in the plane, at the angle theta; the derivatives are those of q, q_perp and -q. */
 static void JointInPlane(PetscReal theta, PetscReal theta_t, PetscReal g, PetscReal g_t,
                          const PetscReal *shift, Joint *joint) {
-  const PetscReal q[2] = {PetscCosReal(theta), PetscSinReal(theta)}, perp[2] = {-q[1], q[0]};
+  const Vector2 q = Direction2(theta), perp = Left2(q);
 
-  for (int d = 0; d < 2; d++) {
-    joint->q[d] = q[d];
-    joint->q_t[d] = theta_t * perp[d];
-    joint->by.q[d][0] = perp[d];
-    if (shift) joint->by.slope_t[d][0] = g_t * perp[d] + g * (*shift * perp[d] - theta_t * q[d]);
-  }
+  Put2(q, joint->q);
+  Put2(Times2(theta_t, perp), joint->q_t);
+  CurveEndInPlane(q, theta_t, g, g_t, shift ? *shift : 0, &joint->by);
 }
 
 /* StrandJoints - the nodes in a state; with their derivatives if there are shifts of the rates,
