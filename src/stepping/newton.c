@@ -372,15 +372,16 @@ static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   PetscFunctionReturn(0);
 }
 
-/* Can modes be counted, though the matrix is assembled? Not of a rod whose beginning is free.
-   Springs are put for a hinge, and for what holds a tip that several ranks go from. */
+/* Can modes be counted, though the matrix is assembled? Not of a rod whose beginning is free, nor
+   of rods that hold each other. Springs are put for a hinge, and for what holds a tip that several
+   ranks go from. */
 static PetscErrorCode HasCount(Rod rod, PetscBool *has) {
   PetscMPIInt ranks;
 
   PetscFunctionBegin;
   PetscCallMPI(MPI_Comm_size(rod->comm, &ranks));
   *has = (PetscBool)(rod->model->eliminate && EliminationCounts(rod->model->halves, ranks) &&
-                     !RodEndsOf(rod).begins_free);
+                     !RodEndsOf(rod).begins_free && !(rod->at && rod->coupled));
   PetscFunctionReturn(0);
 }
 
@@ -450,14 +451,20 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PetscFunctionReturn(0);
 }
 
-/* The matrix of a rod on one rank that touches itself, and its solver. */
+/* The matrix of a rod on one rank that touches itself, or of several that feel each other, and its
+   solver. What holds a tip may leave that node's own block singular. */
 static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
   const Rod rod = newton->rod;
+  PetscInt *late, n = 0;
   KSP ksp;
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields, RodEndsOf(rod).tip_held, &newton->J));
+  PetscCall(PetscMalloc1(rod->rods, &late));
+  for (PetscInt k = 0; k < rod->rods; k++)
+    if (RodEndsOf(rod->each[k]).tip_held) late[n++] = rod->at ? rod->at[k + 1] - 1 : rod->last;
+  PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields, n, late, &newton->J));
+  PetscCall(PetscFree(late));
   PetscCall(SolverOf(ts, &ksp, &pc));
   PetscCall(BlockLUSetSolver(ksp));
   PetscFunctionReturn(0);
