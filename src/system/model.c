@@ -12,6 +12,7 @@ typedef struct {
   RodModel model; /* of all */
   PetscInt *at;
   Part *part;
+  Mat window;               /* the part of a matrix that is one rod's: see Window */
   RodSeen seen;             /* the latest state, */
   PetscObjectState changes; /* the how manieth that is */
 } System;
@@ -78,6 +79,82 @@ static PetscErrorCode Residual(Rod rod, const RodState *at, Vec F) {
     PetscCall(rod->each[k]->model->residual(rod->each[k], &own, ((System *)rod->data)->part[k].F));
   }
   PetscCall(Leave(rod, F));
+  PetscFunctionReturn(0);
+}
+
+/* A rod puts blocks into the matrix of all as if it were its own: they go there, `first` nodes on.
+ */
+typedef struct {
+  Mat whole;
+  PetscInt first;
+} Window;
+
+static PetscErrorCode SetInWindow(Mat part, PetscInt m, const PetscInt rows[], PetscInt n,
+                                  const PetscInt columns[], const PetscScalar v[],
+                                  InsertMode mode) {
+  enum { MOST = 8 };
+  PetscInt node[2][MOST];
+  Window *window;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(part, &window));
+  PetscCheck(m <= MOST && n <= MOST, PETSC_COMM_SELF, PETSC_ERR_PLIB, "too many blocks at once");
+  for (PetscInt i = 0; i < m; i++) node[0][i] = rows[i] < 0 ? rows[i] : rows[i] + window->first;
+  for (PetscInt j = 0; j < n; j++)
+    node[1][j] = columns[j] < 0 ? columns[j] : columns[j] + window->first;
+  PetscCall(MatSetValuesBlocked(window->whole, m, node[0], n, node[1], v, mode));
+  PetscFunctionReturn(0);
+}
+
+/* The whole has been: that of all is 0 before any rod puts blocks there. */
+static PetscErrorCode ZeroWindow(Mat part) {
+  PetscFunctionBegin;
+  (void)part;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode CloseWindow(Mat part) {
+  Window *window;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(part, &window));
+  PetscCall(PetscFree(window));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode OpenWindow(PetscInt nodes, PetscInt fields, Mat *part) {
+  const PetscInt n = nodes * fields;
+  Window *window;
+
+  PetscFunctionBegin;
+  PetscCall(PetscNew(&window));
+  PetscCall(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, window, part));
+  PetscCall(MatSetBlockSize(*part, fields));
+  PetscCall(MatSetUp(*part));
+  PetscCall(MatShellSetOperation(*part, MATOP_SET_VALUES_BLOCKED, (void (*)(void))SetInWindow));
+  PetscCall(MatShellSetOperation(*part, MATOP_ZERO_ENTRIES, (void (*)(void))ZeroWindow));
+  PetscCall(MatShellSetOperation(*part, MATOP_DESTROY, (void (*)(void))CloseWindow));
+  PetscFunctionReturn(0);
+}
+
+/* The matrix of all: the rods' own, which it is without what they do to each other. */
+static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
+  const System *self = (const System *)rod->data;
+  Window *window;
+
+  PetscFunctionBegin;
+  PetscCall(MatShellGetContext(self->window, &window));
+  PetscCall(MatZeroEntries(J));
+  PetscCall(Enter(rod, at, NULL));
+  window->whole = J;
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const RodState own = StateOf(rod, k, at);
+    window->first = self->at[k];
+    PetscCall(rod->each[k]->model->jacobian(rod->each[k], &own, self->window));
+  }
+  PetscCall(Leave(rod, NULL));
+  PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
 }
 
@@ -155,6 +232,7 @@ static PetscErrorCode Destroy(Rod rod) {
     PetscCall(RodDestroy(&rod->each[k]));
   }
   PetscCall(SceneShareEnd(&rod->scene));
+  PetscCall(MatDestroy(&self->window));
   PetscCall(PetscFree(self->at));
   PetscCall(PetscFree(self->part));
   PetscCall(PetscFree(rod->each));
@@ -191,7 +269,7 @@ static void MakeModel(const RodModel *of_each, RodModel *model) {
   model->set = NULL;
   model->get = NULL;
   model->residual = Residual;
-  model->jacobian = NULL;
+  model->jacobian = Jacobian;
   model->eliminate = Eliminate;
   model->defect = NULL;
   model->hold = of_each->hold ? Hold : NULL;
@@ -249,6 +327,7 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Rod *rod) {
   Units(self);
   self->end = system->at[n];
   self->last = self->end - 1;
+  PetscCall(OpenWindow(self->end, self->model->fields, &system->window));
   for (int k = 0; k < 2; k++) self->kept[k].t = PETSC_MIN_REAL;
   PetscCall(DMDACreate1d(PETSC_COMM_SELF, DM_BOUNDARY_NONE, self->end, self->model->fields, 1, NULL,
                          &self->da));

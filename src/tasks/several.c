@@ -134,7 +134,7 @@ static PetscErrorCode MakeLeg(Run *self) {
   PetscCall(SystemCreate(self->n, each, &all));
   PetscCall(PetscFree(each));
   PetscCall(LegCreateOf(all, self->rtol, &self->leg));
-  UserCheck(self->leg.newton.elimination, OptionsComm(),
+  UserCheck(self->leg.newton.elimination || all->coupled, OptionsComm(),
             "-ksp_, -pc_, -mat_ and the like are about a matrix, and several rods have none; take "
             "them out");
   PetscFunctionReturn(0);
