@@ -83,6 +83,26 @@ static PetscReal ClampPower(Scene scene, const Sample3 *p) {
   return -p->moment[0] * 2 / QuaternionSize(p->node.p) * turn[1];
 }
 
+/* How fast the directors turn: 2 p_t p*. */
+static void Turning(const Sample3 *p, PetscReal omega[3]) {
+  PetscReal turn[4];
+
+  QuaternionFrom(p->node.p, p->node.p_t, turn); /* about the directors */
+  for (int i = 0; i < 3; i++) {
+    omega[i] = 0;
+    for (int k = 0; k < 3; k++)
+      omega[i] += p->d[k][i] * 2 / QuaternionSize(p->node.p) * turn[1 + k];
+  }
+}
+
+/* The power of what a section bears, at its place. */
+static PetscReal PowerOf(const Sample3 *p) {
+  PetscReal omega[3];
+
+  Turning(p, omega);
+  return Dot3(p->node.n3, p->node.x3_t) + Dot3(p->node.m3, omega);
+}
+
 static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   PetscReal lab[3];
 
@@ -96,20 +116,14 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   seen->base_moment_1 = -lab[0];
   seen->base_moment_2 = -lab[1];
   seen->base_moment_3 = -lab[2];
-  seen->clamp_power = ClampPower(scene, p);
+  seen->clamp_power = SceneCarried(scene) ? -PowerOf(p) : ClampPower(scene, p);
 }
 
-/* How fast the material there turns: 2 p_t p* of the directors, and c u of what slides past them.
- */
+/* How fast the material there turns: as the directors do, and c u of what slides past them. */
 static void Omega(const Sample3 *p, PetscReal omega[3]) {
-  PetscReal turn[4];
-
-  QuaternionFrom(p->node.p, p->node.p_t, turn); /* about the directors */
-  for (int i = 0; i < 3; i++) {
-    omega[i] = 0;
-    for (int k = 0; k < 3; k++)
-      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + p->law.c * p->u[k]);
-  }
+  Turning(p, omega);
+  for (int i = 0; i < 3; i++)
+    for (int k = 0; k < 3; k++) omega[i] += p->d[k][i] * p->law.c * p->u[k];
 }
 
 /* contact: its force on the tip, and its couple about the tangent. */
@@ -186,6 +200,7 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
     Integrate3(scene, &mid, 4 * h / 6, seen);
     Integrate3(scene, &b, h / 6, seen);
     seen->link += TurnedBetween(&a.node, &b.node);
+    if (h == 0) seen->clamp_power += PowerOf(&a) - PowerOf(&b); /* of rods that are joined to it */
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle3((0.5 - s[i]) / h, &a, &mid, &b, seen);
   }
   if (end == nodes - 1) MeasureTip3(scene, &b, contact, seen);
