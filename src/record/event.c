@@ -169,7 +169,7 @@ static PetscReal PushAt(PetscBool space, const Node *node) {
 
   if (!space) return -n[0] * PetscCosReal(theta) - n[1] * PetscSinReal(theta);
   Directors(node->p, QuaternionSize(node->p), d);
-  return -m[0] * d[0][0] - m[1] * d[0][1] - m[2] * d[0][2];
+  return -Dot3(m, d[0]);
 }
 
 /*

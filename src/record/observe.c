@@ -155,9 +155,7 @@ static void AddContact(Observer self, Observation *seen) {
   seen->penetration = ContactBears(&self->scene->contact, contact->nearest) ? -contact->nearest : 0;
   seen->contacts = contact->zones;
   SceneToLab(self->scene, contact->wall, lab);
-  seen->wall_force_1 = lab[0];
-  seen->wall_force_2 = lab[1];
-  seen->wall_force_3 = lab[2];
+  Split3(lab, &seen->wall_force_1, &seen->wall_force_2, &seen->wall_force_3);
   seen->wall_power = contact->moved;
   SceneToLab(self->scene, contact->clamp, lab);
   seen->base_force_1 -= lab[0];
@@ -195,13 +193,9 @@ static void MeasureForces(Observer self, const Piece *piece, Observation *seen) 
   }
   if (self->linear) friction[0] = AxialDrop(self, piece) - weight[0];
   SceneToLab(self->scene, friction, lab);
-  seen->friction_force_1 = lab[0];
-  seen->friction_force_2 = lab[1];
-  seen->friction_force_3 = lab[2];
+  Split3(lab, &seen->friction_force_1, &seen->friction_force_2, &seen->friction_force_3);
   SceneToLab(self->scene, weight, lab);
-  seen->weight_force_1 = lab[0];
-  seen->weight_force_2 = lab[1];
-  seen->weight_force_3 = lab[2];
+  Split3(lab, &seen->weight_force_1, &seen->weight_force_2, &seen->weight_force_3);
 }
 
 /* The laws of a piece of a rod in space: a look at contact has found them. */

@@ -366,7 +366,7 @@ PetscReal RodRounding(const Rod rod, PetscReal length) {
 
   for (PetscInt k = 0; k < rod->rods; k++) {
     const Scene scene = rod->each[k]->scene;
-    const PetscReal across = hypot(scene->load.weight[1], scene->load.weight[2]),
+    const PetscReal across = Size2(From2(scene->load.weight + 1)),
                     moment = PETSC_MACHINE_EPSILON * across * PetscSqr(length);
     most = PetscMax(most, CurvatureRounding(&scene->curvature, length));
     most = PetscMax(most, PetscSqr(moment) * length);

@@ -5,6 +5,7 @@
 #define TENDRIL_ROD_H
 
 #include "base/elimination.h"
+#include "base/plane.h"
 #include "scene/scene.h"
 #include "straight/straight.h"
 #include <petscdmda.h>
@@ -155,15 +156,15 @@ struct _Rod {
   const PetscInt
       *at; /* where the nodes of each begin among all, and where they end; NULL: of one */
   Rod itself;
-  DM da;                /* the unknowns: 1D DMDA over the nodes */
-  DM nodes;             /* Node at each node, stencil 1 */
-  PetscInt first, end;  /* owned nodes: first .. end - 1 */
-  PetscInt last;        /* the tip, N */
-  PetscInt order;       /* of the error in space */
-  PetscBool alone;      /* on one rank */
-  PetscBool coupled;    /* nodes far from each other along the rod see each other */
-  PetscInt memory;      /* reals a node that its Newton's method remembers; 0: none */
-  PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
+  DM da;               /* the unknowns: 1D DMDA over the nodes */
+  DM nodes;            /* Node at each node, stencil 1 */
+  PetscInt first, end; /* owned nodes: first .. end - 1 */
+  PetscInt last;       /* the tip, N */
+  PetscInt order;      /* of the error in space */
+  PetscBool alone;     /* on one rank */
+  PetscBool coupled;   /* nodes far from each other along the rod see each other */
+  PetscInt memory;     /* reals a node that its Newton's method remembers; 0: none */
+  Vector2 oblique;     /* how much so walls are that press: RodFeelWalls() */
   struct {
     PetscReal t;
     PetscBool whole; /* all of the sum, and not only what is left, */
@@ -176,6 +177,11 @@ struct _Rod {
   struct Learned_ *learned; /* natural curvature of its own (rod/learned.h); NULL: none */
   void *data;
 };
+
+/* How many components a place has. */
+static inline int RodDims(const RodModel *model) {
+  return model->space ? 3 : 2;
+}
 
 extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_space;
 /* the same, whose material learns its natural curvature; that also remembers what it senses */
@@ -212,14 +218,14 @@ static inline void RodForget(RodSeen *seen) {
 PetscErrorCode RodRecognise(const RodState *at, RodSeen *seen, PetscBool *known);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
-PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]);
-PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
-PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
+PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], Vector2 *axis);
+PetscErrorCode RodTurn(Rod rod, Vector2 axis, Vec V);
+PetscErrorCode RodSizesAlong(Rod rod, Vec U, Vector2 axis, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodBlurred(Rod rod, Vec U, PetscReal place[MIRRORS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F);
 void RodKeepBorne(Rod rod, const RodForces *sum);
 PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum);
-PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
+PetscErrorCode RodFieldScales(Rod rod, Vec U, Vector2 *axis, PetscReal scale[MAX_FIELDS]);
 
 #endif

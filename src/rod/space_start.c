@@ -1,5 +1,6 @@
 /* The initial shape of a rod in space. */
 #include "base/lagrange.h"
+#include "base/quaternion.h"
 #include "base/vectors.h"
 #include "rod/space_cells.h"
 #include "rod/spin_rest.h"
@@ -112,15 +113,14 @@ static void InitialForces(PetscInt n, const SpinPlace place[], const PetscReal t
   const PetscInt first = PlaceSlope(n, place, i, D);
 
   PlaceMoments(n, place, turn, i, m, u);
-  for (int j = 0; j < 3; j++) {
-    node->m3[j] = m[0] * d[0][j] + m[1] * d[1][j] + m[2] * d[2][j];
-    curl[j] = place[i].g * (u[0] * d[0][j] + u[1] * d[1][j] + u[2] * d[2][j]);
-  }
+  TurnBack3(d, m, node->m3);
+  TurnBack3(d, u, curl);
+  for (int j = 0; j < 3; j++) curl[j] *= place[i].g;
   Cross3(curl, node->m3, slope);
   for (int at = 0; at < 3; at++) {
     PlaceMoments(n, place, turn, first + at, m, other);
-    for (int j = 0; j < 3; j++)
-      slope[j] += D[at] * (m[0] * d[0][j] + m[1] * d[1][j] + m[2] * d[2][j]);
+    TurnBack3(d, m, by);
+    for (int j = 0; j < 3; j++) slope[j] += D[at] * by[j];
   }
   Cross3(slope, d[0], by);
   for (int j = 0; j < 3; j++) node->n3[j] = along * d[0][j] - by[j] / place[i].g;
@@ -129,16 +129,14 @@ static void InitialForces(PetscInt n, const SpinPlace place[], const PetscReal t
 /* The node at place i of n: the curve's own frame, turned. */
 static void InitialNode(PetscInt n, const SpinPlace place[], const PetscReal turn[], PetscInt i,
                         const Shape_ *at, PetscReal along, Node *node) {
-  const PetscReal c = PetscCosReal(turn[i] / 2), s = PetscSinReal(turn[i] / 2), *p = at->p;
-  const PetscReal turned[4] = {c * p[0] - s * p[1], c * p[1] + s * p[0], c * p[2] + s * p[3],
-                               c * p[3] - s * p[2]};
+  const PetscReal about[4] = {PetscCosReal(turn[i] / 2), PetscSinReal(turn[i] / 2)};
   PetscReal d[3][3];
 
   memset(node, 0, sizeof(*node));
   memcpy(node->x3, at->x, sizeof(node->x3));
   memcpy(node->x3_t, at->x_t, sizeof(node->x3_t));
-  memcpy(node->p, turned, sizeof(node->p));
-  Directors(turned, QuaternionSize(turned), d);
+  QuaternionTimes(at->p, about, node->p);
+  Directors(node->p, QuaternionSize(node->p), d);
   InitialForces(n, place, turn, i, (const PetscReal(*)[3])d, along, node);
   RodPlanePart(node);
 }

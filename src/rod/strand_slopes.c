@@ -21,11 +21,12 @@ ALWAYS_INLINE void SpotBy(int dims, const struct _Strands *self, const Spot *spo
 ALWAYS_INLINE void PlaceSlope(int dims, const struct _Strands *self, const Pair *pair,
                               PairSlope *by) {
   const int of_cell = 2 * NodeOf(dims);
-  const PetscReal *slope = pair->foot.on.slope, *n = pair->n,
-                  r[3] = {pair->distance * n[0], pair->distance * n[1], pair->distance * n[2]};
-  const PetscReal stiff = Dot3(slope, slope) - Dot3(r, pair->foot.on.bend);
+  const PetscReal *slope = pair->foot.on.slope, *n = pair->n;
+  PetscReal r[3], stiff;
   CurveBy x, y, y_z, skip;
 
+  for (int d = 0; d < 3; d++) r[d] = pair->distance * n[d];
+  stiff = Dot3(slope, slope) - Dot3(r, pair->foot.on.bend);
   SpotBy(dims, self, &pair->at, x, skip);
   SpotBy(dims, self, &pair->foot, y, y_z);
   for (int f = 0; f < 2 * of_cell; f++) {

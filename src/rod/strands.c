@@ -81,11 +81,12 @@ static PetscErrorCode LawsAt(Strands self, PetscReal t) {
 /* How the spin changes with p, and with p_t by its shift. */
 static void SpinSlopeAt(const Joint *joint, const PetscReal p_t[4], const PetscReal shift[4],
                         PetscReal by[4]) {
-  const PetscReal *p = joint->p, by_rate[4] = {-p[1], p[0], p[3], -p[2]},
-                  by_p[4] = {p_t[1], -p_t[0], -p_t[3], p_t[2]};
+  PetscReal by_rate[4], by_p[4];
 
+  SpinForm(joint->p, by_rate);
+  SpinForm(p_t, by_p);
   for (int j = 0; j < 4; j++)
-    by[j] = 2 / joint->size * (shift[j] * by_rate[j] + by_p[j] - joint->spin * p[j]);
+    by[j] = 2 / joint->size * (shift[j] * by_rate[j] - by_p[j] - joint->spin * joint->p[j]);
 }
 
 /* A node in space, whose quaternion is p. */
@@ -100,7 +101,7 @@ static void JointInSpace(const PetscReal p[4], const PetscReal p_t[4], PetscReal
   joint->spin = QuaternionSpin(p, joint->size, p_t);
   for (int c = 0; c < 3; c++) {
     joint->q[c] = d[0][c];
-    joint->q_t[c] = D[c][0] * p_t[0] + D[c][1] * p_t[1] + D[c][2] * p_t[2] + D[c][3] * p_t[3];
+    joint->q_t[c] = Dot4(D[c], p_t);
   }
   if (!shift) return;
   DirectorRateSlope(p, joint->size, d[0], joint->q_t, 0, D, p_t, joint->by.slope_t);
@@ -115,14 +116,11 @@ static void JointInSpace(const PetscReal p[4], const PetscReal p_t[4], PetscReal
 /* One in the plane, at the angle theta; the derivatives are those of q, q_perp and -q. */
 static void JointInPlane(PetscReal theta, PetscReal theta_t, PetscReal g, PetscReal g_t,
                          const PetscReal *shift, Joint *joint) {
-  const PetscReal q[2] = {PetscCosReal(theta), PetscSinReal(theta)}, perp[2] = {-q[1], q[0]};
+  const Vector2 q = Direction2(theta), perp = Left2(q);
 
-  for (int d = 0; d < 2; d++) {
-    joint->q[d] = q[d];
-    joint->q_t[d] = theta_t * perp[d];
-    joint->by.q[d][0] = perp[d];
-    if (shift) joint->by.slope_t[d][0] = g_t * perp[d] + g * (*shift * perp[d] - theta_t * q[d]);
-  }
+  Put2(q, joint->q);
+  Put2(Times2(theta_t, perp), joint->q_t);
+  CurveEndInPlane(q, theta_t, g, g_t, shift ? *shift : 0, &joint->by);
 }
 
 /* StrandJoints - the nodes in a state; with their derivatives if there are shifts of the rates,
@@ -279,8 +277,8 @@ static PetscBool Moved(const struct _Strands *self) {
   const PetscReal far = PetscSqr(rod_rule.pair_margin * self->contact->diameter / 2);
 
   for (PetscInt i = 0; i <= self->cells; i++) {
-    const PetscReal *x = self->joint[i].x, *y = self->seen + 3 * i,
-                    way[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+    PetscReal way[3];
+    Minus3(self->joint[i].x, self->seen + 3 * i, way);
     if (!(Dot3(way, way) < far)) return PETSC_TRUE;
   }
   return PETSC_FALSE;
@@ -376,10 +374,10 @@ static void HandBoth(const struct _Strands *self, const Pair *pair, const PetscR
 }
 
 static void HandOut(Strands self, const Pair *pair, const PetscReal f[3]) {
-  const PetscReal borne = PairOnClamp(self, pair) ? pair->p * pair->n[0] : 0,
-                  on_foot[3] = {borne - f[0], -f[1], -f[2]};
-  PetscReal share[2];
+  const PetscReal borne = PairOnClamp(self, pair) ? pair->p * pair->n[0] : 0;
+  PetscReal share[2], on_foot[3];
 
+  for (int d = 0; d < 3; d++) on_foot[d] = (d ? 0 : borne) - f[d];
   PairShares(self, pair, share);
   self->sum.clamp[0] -= (share[0] + share[1]) * borne;
   HandBoth(self, pair, f, on_foot, self->force);

@@ -154,11 +154,16 @@ void TipForce(int dims, const Tip *tip, const TipState *at, const FrictionDual *
   (void)TipWalls(dims, tip, at, dual, f);
 }
 
+/* Where it was at the start. */
+static void AtStart(const Tip *tip, PathPlace *start) {
+  start->angle = tip->theta;
+  memcpy(start->x, tip->x, sizeof(start->x));
+  memcpy(start->p, tip->p, sizeof(start->p));
+}
+
 /* Where it is held at a time. */
 static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
-  *held = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x[2]},
-                      .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
-                      .angle = tip->theta};
+  AtStart(tip, held);
   if (tip->path) PathAt(tip->path, t, held);
   for (int d = 0; d < 3; d++)
     if (tip->lead[d].on) held->x[d] = LeadValue(&tip->lead[d], t);
@@ -433,9 +438,7 @@ PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const Petsc
   PetscFunctionBegin;
   if (!tip->path) PetscFunctionReturn(0);
   PetscCall(CheckSliding(tip, comm, lab));
-  start = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x[2]},
-                      .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
-                      .angle = tip->theta};
+  AtStart(tip, &start);
   PathBegin(tip->path, lab, &start, apart);
   UserCheck(apart[0] <= near * length, comm,
             "-tip_path: begins %g away from the tip, which is at (%g, %g, %g) of the clamp's frame "
