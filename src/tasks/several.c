@@ -11,6 +11,7 @@
 
 typedef struct {
   Rods rods;
+  Joints joints;
   PetscInt n;
   Scene *scene;
   Leg leg;    /* of all */
@@ -50,8 +51,6 @@ static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionBegin;
   UserCheck(!scene->contact.self, OptionsComm(),
             "-contact_self: of several rods none touches itself in this version; take it out");
-  UserCheck(scene->clamp == CLAMP_HELD, OptionsComm(),
-            "-clamp_type: of several rods each is held in its clamp in this version; take it out");
   UserCheck(!scene->tropism.any, OptionsComm(),
             "-tropism_ options and -growth_ironing: several rods do not know of a natural "
             "curvature that the material learns in this version; take them out");
@@ -60,16 +59,26 @@ static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode MakeScene(Run *self, PetscInt k) {
+static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
+  PetscBool carried;
+  const char *why;
   Scene scene;
+  Seat seat;
 
   PetscFunctionBegin;
-  PetscCall(SceneCreate(&self->scene[k]));
+  PetscCall(JointsSeat(self->joints, k, each, &seat, &carried));
+  PetscCall(RodsEnter(self->rods, k));
+  PetscCall(SceneCreateOn(carried ? &seat : NULL, &self->scene[k]));
   scene = self->scene[k];
   PetscCall(SingleShape(scene));
   scene->space.rod = PETSC_TRUE;
   PetscCall(CheckRod(scene));
+  PetscCall(JointsHold(self->joints, k, scene));
+  why = rod_space.refuses(scene);
+  UserCheck(!why, OptionsComm(), "%s", why);
   SceneAtTolerance(scene, self->rtol);
+  PetscCall(RodsLeave(self->rods));
+  PetscCall(JointsDouble(self->joints, self->rods, k, scene));
   if (!self->restart[0]) PetscFunctionReturn(0);
   PetscCall(SeveralLabels(self->restart, k, scene));
   PetscCall(SceneRecall(scene, &self->own[k].laws));
@@ -122,16 +131,18 @@ static PetscErrorCode MakeLeg(Run *self) {
   Rod *each, all;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(self->n, &each));
-  for (PetscInt k = 0; k < self->n; k++) {
+  PetscCall(PetscCalloc1(self->n, &each));
+  for (PetscInt i = 0; i < self->n; i++) {
+    const PetscInt k = JointsNext(self->joints, i);
+    PetscCall(MakeScene(self, k, each));
     PetscCall(RodsEnter(self->rods, k));
-    PetscCall(MakeScene(self, k));
     PetscCall(RodCreate(self->scene[k], &rod_space, &each[k]));
     PetscCall(RodFindUnits(each[k]));
     PetscCall(RodHoldTip(each[k]));
     PetscCall(RodsLeave(self->rods));
   }
-  PetscCall(SystemCreate(self->n, each, &all));
+  PetscCall(JointsClose(self->joints, self->rods, each));
+  PetscCall(SystemCreate(self->n, each, self->joints, &all));
   PetscCall(PetscFree(each));
   PetscCall(LegCreateOf(all, self->rtol, &self->leg));
   UserCheck(self->leg.newton.elimination || all->coupled, OptionsComm(),
@@ -156,7 +167,7 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   PetscCall(LegPart(&self->leg, k, grow->now));
   grow->now->ease.most = grow->eased / self->rtol;
   PetscCall(LegPartFollow(grow->now));
-  PetscCall(EstimateCreate(grow->now, &grow->estimate));
+  if (!JointsCount(self->joints)) PetscCall(EstimateCreate(grow->now, &grow->estimate));
   PetscCall(ObserverCreate(grow->scene, &grow->observer));
   if (!self->restart[0]) {
     PetscCall(GrowCheckStart(grow));
@@ -561,6 +572,7 @@ static PetscErrorCode Begin(Run *self) {
   if (self->restart[0]) PetscCall(CheckSame(self));
   PetscCall(ReadOptions(self));
   if (self->restart[0]) PetscCall(ReadEach(self));
+  PetscCall(JointsRead(self->rods, &self->joints));
   PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
   PetscCall(MakeLeg(self));
   self->leg.owner = self;
@@ -629,6 +641,7 @@ static PetscErrorCode End(Run *self) {
   for (PetscInt k = 0; k < self->n && self->scene; k++) PetscCall(SceneDestroy(&self->scene[k]));
   PetscCall(PetscFree3(self->scene, self->each, self->output));
   if (self->begun) PetscCall(SeveralEnd(&self->file));
+  PetscCall(JointsDestroy(&self->joints));
   PetscCall(RodsDestroy(&self->rods));
   PetscCall(PetscFree(self->own));
   WordsFree(&self->words);

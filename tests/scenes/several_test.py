@@ -176,7 +176,7 @@ REFUSED = [  # (lines of a scene, more words, what is said)
     ("[rods twice.csv]\n", "", "two rods are named a1"),
     ("[rod a]\n-options_file other.opts\n", "", "line 2: -options_file: is no option of a rod"),
     ("[rod a]\n[rod b]\n[pair a b]\n", "", "line 3: [pair a b]: rods do not touch each other in this version"),
-    ("[rod a]\n-clamp_type free\n", "", "line 2, rod a: -clamp_type: of several rods each is held"),
+    ("[rod a]\n-clamp_type free\n", "", "line 2, rod a: -clamp_type free: nothing keeps a rod in space from spinning"),
     ("[rod a]\n-contact_self\n-contact_diameter 0.01\n", "", "line 2, rod a: -contact_self: of several rods none"),
     ("[rod a]\n", "-task critical", "[rod a]: this -task knows one rod"),
     ("[rod a]\n", "-accuracy 1e-4", "-accuracy: is not known of several rods"),
