@@ -77,6 +77,8 @@ RodEnds RodEndsOf(const Rod rod) {
     const struct _Scene *scene = rod->each[k]->scene;
     if (scene->clamp != CLAMP_HELD) ends.clamped = PETSC_FALSE;
     if (scene->clamp == CLAMP_FREE) ends.begins_free = PETSC_TRUE;
+    if (scene->clamp != CLAMP_HELD && scene->clamp != CLAMP_CARRIED) ends.gives_way = PETSC_TRUE;
+    if (SceneCarried(scene)) ends.carried = PETSC_TRUE;
     if (scene->tip.type != TIP_FREE) ends.tip_held = PETSC_TRUE;
     if (TipHolds(&scene->tip, 1)) ends.tip_rests = PETSC_TRUE;
     if (TipPoints(&scene->tip)) ends.tip_points = PETSC_TRUE;

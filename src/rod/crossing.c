@@ -126,6 +126,27 @@ static int Pieces(const PetscReal f[4], PetscReal at[4]) {
   return n;
 }
 
+/* Are two nodes one place, before and behind? There rods are joined. */
+static PetscBool AreJoined(const Motion *self, PetscInt i, PetscInt j, PetscReal length) {
+  const PetscReal rounding = PetscSqr(1e-7 * length);
+  PetscReal before[3], behind[3];
+
+  Minus3(self->from[i].x3, self->from[j].x3, before);
+  Minus3(self->to[i].x3, self->to[j].x3, behind);
+  return (PetscBool)(Dot3(before, before) < rounding && Dot3(behind, behind) < rounding);
+}
+
+/* Have segments of two rods an end in common? */
+static PetscBool MeetAtJoint(const Motion *self, PetscInt i, PetscInt j) {
+  PetscReal side[3];
+
+  if (!self->of || self->of[i] == self->of[j]) return PETSC_FALSE;
+  Minus3(self->to[i + 1].x3, self->to[i].x3, side);
+  for (int k = 0; k < 4; k++)
+    if (AreJoined(self, i + k / 2, j + k % 2, PetscSqrtReal(Dot3(side, side)))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Do segments i and j pass through each other? They do when they lie in a plane, and cross in it.
  */
 static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
@@ -147,7 +168,7 @@ static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
       else
         high = mid;
     }
-    self->passes = CrossAt(self, i, j, low);
+    self->passes = (PetscBool)(CrossAt(self, i, j, low) && !MeetAtJoint(self, i, j));
   }
 }
 

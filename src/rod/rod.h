@@ -175,11 +175,13 @@ struct _Rod {
   Vector2 oblique;     /* how much so walls are that press: RodFeelWalls() */
   struct {
     PetscReal t;
-    PetscBool whole;        /* all of the sum, and not only what is left, */
-    RodForces sum;          /* of this rank's part */
-  } kept[2];                /* of the latest two states, the latest first: see RodKeepLeft() */
-  PetscReal finest;         /* what is told apart of a vector across that walls have part in, for
-                               RodFieldScales(): of the order of round-off over a step's tolerance */
+    PetscBool whole; /* all of the sum, and not only what is left, */
+    RodForces sum;   /* of this rank's part */
+  } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
+  PetscReal finest;  /* what is told apart of a vector across that walls have part in, for
+                        RodFieldScales(): of the order of round-off over a step's tolerance */
+  PetscReal least;   /* of several that hold each other: changes of places are measured against so
+                        much at least, the same part of a turn; 0: of one that feels none */
   struct Learned_ *learned; /* natural curvature of its own (rod/learned.h); NULL: none */
   void *data;
 };

@@ -35,6 +35,11 @@ typedef struct {
   Contact law;
 } Meeting;
 
+/* Two places at which rods are joined: nodes. */
+typedef struct {
+  PetscInt node[2];
+} StrandJoint;
+
 /* A place on the curve of a rod. */
 typedef struct {
   PetscInt cell;
@@ -70,11 +75,16 @@ struct _Strands {
   Strand *rod;
   StrandsMeet meet; /* of several rods, which are brought into one frame; NULL: of one */
   void *ctx;
+  PetscInt joints;
+  StrandJoint *joint_at;
   PetscInt meetings, *met; /* of each rod the first one with a later rod */
   Meeting **meeting;
-  PetscInt *of;     /* of each node, its rod */
-  int dims;         /* 2 in the plane, 3 in space */
-  PetscInt nodes;   /* of all; node i is point 2 i, the middle behind it 2 i + 1 */
+  PetscInt *of;       /* of each node, its rod, */
+  PetscInt *span_end; /* ... its last node, */
+  PetscInt *span; /* ... and the first node of its span: where another rod is joined to it a node is
+                     there twice (material/mesh.h), and forces are handed to points on one side */
+  int dims;       /* 2 in the plane, 3 in space */
+  PetscInt nodes; /* of all; node i is point 2 i, the middle behind it 2 i + 1 */
   PetscInt samples; /* of all; that of the tip is a rod's last */
   PetscBool rubs;   /* any two can */
   PetscReal time;   /* of what follows: laws at the points */
@@ -110,6 +120,11 @@ static inline int NodeOf(int dims) {
 /* The rod of a cell. */
 static inline const Strand *StrandOf(const struct _Strands *self, PetscInt cell) {
   return &self->rod[self->of[cell]];
+}
+
+/* Is it a cell at all? Not between two rods, nor between the two nodes of a joint. */
+static inline PetscBool IsCell(const struct _Strands *self, PetscInt cell) {
+  return (PetscBool)(self->span[cell] == self->span[cell + 1]);
 }
 
 /* Where the force on its tip stands, behind its points. */

@@ -50,6 +50,8 @@ static void FootFrom(const struct _Strands *self, const PetscReal x[3], Spot *fo
     for (int d = 0; d < 3; d++) o[d] = x[d] - on->x[d];
     step = CurveStep(Dot3(o, on->slope), Dot3(on->slope, on->slope), Dot3(o, on->bend));
     way = CurveGo(rod->cells, on->z + step, &along, &on->z, ends);
+    if (way == CURVE_NEXT && !IsCell(self, rod->first + along))
+      along += rod->first + along > foot->cell ? 1 : -1;
     foot->cell = rod->first + along;
     if (way == CURVE_ARRIVED) return;
     if (way == CURVE_NEXT) StrandCell(self, foot->cell, &cell);
@@ -194,6 +196,24 @@ static PetscBool SameStrand(const struct _Strands *self, const Spot *a, const Sp
                          StrandOf(self, a->cell)->apart);
 }
 
+/* Is a place near a node, along its rod? */
+static PetscBool IsNear(const struct _Strands *self, const Spot *spot, PetscInt node) {
+  return (PetscBool)(self->of[spot->cell] == self->of[node] &&
+                     PetscAbsReal(ArcAt(self, spot) - self->arc[node]) <
+                         StrandOf(self, node)->apart);
+}
+
+/* Are two places near where their rods are joined? */
+static PetscBool AreJoined(const struct _Strands *self, const Spot *a, const Spot *b) {
+  for (PetscInt k = 0; k < self->joints; k++) {
+    const PetscInt *node = self->joint_at[k].node;
+    if ((IsNear(self, a, node[0]) && IsNear(self, b, node[1])) ||
+        (IsNear(self, a, node[1]) && IsNear(self, b, node[0])))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
+}
+
 /* A new pair. Of two feet of a sample on one side, in space of those that are near each other along
    the rod and so of one strand, the nearer counts. */
 static PetscErrorCode Keep(Strands self, const Pair *pair) {
@@ -261,7 +281,7 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
   const Strands self = look->self;
   const Strand *rod = StrandOf(self, i);
 
-  if (look->error) return;
+  if (look->error || !IsCell(self, i) || !IsCell(self, j)) return;
   if (self->of[i] != self->of[j])
     look->error = StrandLawOf(self, self->of[i], self->of[j], &look->contact);
   else
@@ -285,7 +305,7 @@ static PetscErrorCode Search(Strands self) {
   for (PetscInt i = 0; i < self->nodes; i++)
     for (int d = 0; d < 3; d++) self->seen[3 * i + d] = self->joint[i].x[d];
   for (PetscInt r = 0; r < self->rods; r++) reach = PetscMax(reach, ReachOf(self->rod[r].contact));
-  PetscCall(BlocksOfLine(self->dims, self->nodes - 1, 3, self->seen, NULL, self->of, &line));
+  PetscCall(BlocksOfLine(self->dims, self->nodes - 1, 3, self->seen, NULL, self->span, &line));
   BlocksPairs(line, reach, OneStrand, Meet, &look);
   PetscCall(BlocksDestroy(&line));
   PetscCall(look.error);
@@ -331,7 +351,8 @@ static void PairPlace(const struct _Strands *self, Pair *pair) {
   pair->distance = Length(self, o);
   for (int d = 0; d < 3; d++) pair->n[d] = o[d] / pair->distance;
   pair->gap = pair->distance - pair->contact->diameter;
-  pair->apart = (PetscBool)!SameStrand(self, &pair->at, &pair->foot);
+  pair->apart = (PetscBool) !(SameStrand(self, &pair->at, &pair->foot) ||
+                              AreJoined(self, &pair->at, &pair->foot));
   pair->active =
       (PetscBool)(pair->gap < pair->contact->smooth && pair->apart && pair->distance > 0);
 }
@@ -373,16 +394,16 @@ PetscBool PairOnClamp(const struct _Strands *self, const Pair *pair) {
    Returns how many points that are. */
 int PairSpread(const struct _Strands *self, const Pair *pair, int of_foot, Spread *spread) {
   const Spot *spot = of_foot ? &pair->foot : &pair->at;
-  const Strand *rod = StrandOf(self, spot->cell);
+  const PetscInt first = self->span[spot->cell];
 
   if (self->dims == 2 && !of_foot) {
     *spread = (Spread){.point = {pair->sample}, .share = {1}};
     return 1;
   }
   if (self->dims == 3 && !of_foot && SampleIsTip(self, pair->sample)) return 0;
-  (self->dims == 2 ? SpreadAt : SpreadEvenly)(2 * rod->cells + 1, spot->cell - rod->first,
-                                              spot->on.z, spread);
-  for (int k = 0; k < 4; k++) spread->point[k] += 2 * rod->first;
+  (self->dims == 2 ? SpreadAt : SpreadEvenly)(2 * (self->span_end[spot->cell] - first) + 1,
+                                              spot->cell - first, spot->on.z, spread);
+  for (int k = 0; k < 4; k++) spread->point[k] += 2 * first;
   return 4;
 }
 
@@ -661,13 +682,22 @@ static PetscErrorCode Gather(Strands self, const Scene scene[]) {
                             .apart = PETSC_PI / 2 * scene[r]->contact.diameter};
     self->nodes += scene[r]->mesh.cells + 1;
   }
-  PetscCall(PetscMalloc2(self->nodes, &self->of, self->nodes, &self->s));
+  PetscCall(PetscMalloc4(self->nodes, &self->of, self->nodes, &self->s, self->nodes, &self->span,
+                         self->nodes, &self->span_end));
   PetscCall(PetscCalloc1(2 * self->nodes, &self->weight));
   for (PetscInt r = 0; r < self->rods; r++) {
     const Strand *rod = &self->rod[r];
     for (PetscInt i = 0; i <= rod->cells; i++) {
-      self->of[rod->first + i] = r;
-      self->s[rod->first + i] = scene[r]->mesh.s[i];
+      const PetscInt node = rod->first + i;
+      self->of[node] = r;
+      self->s[node] = scene[r]->mesh.s[i];
+      self->span[node] = i && self->s[node] > self->s[node - 1] ? self->span[node - 1] : node;
+    }
+    for (PetscInt i = rod->cells; i >= 0; i--) {
+      const PetscInt node = rod->first + i;
+      self->span_end[node] = i < rod->cells && self->span[node + 1] == self->span[node]
+                                 ? self->span_end[node + 1]
+                                 : node;
     }
     CurveWeights(rod->cells, scene[r]->mesh.s, self->weight + 2 * rod->first);
   }
@@ -724,6 +754,17 @@ PetscErrorCode StrandsCreateSeveral(PetscInt n, const Scene scene[], StrandsMeet
   PetscFunctionReturn(0);
 }
 
+/* StrandsJoin - two rods are joined, at node a of the one and node b of the other, counted along
+   these: strands near that, of both, do not touch. */
+PetscErrorCode StrandsJoin(Strands self, const PetscInt rod[2], const PetscInt node[2]) {
+  PetscFunctionBegin;
+  PetscCall(PetscRealloc((size_t)(self->joints + 1) * sizeof(StrandJoint), &self->joint_at));
+  for (int k = 0; k < 2; k++)
+    self->joint_at[self->joints].node[k] = self->rod[rod[k]].first + node[k];
+  self->joints++;
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode StrandsDestroy(Strands *strands) {
   Strands self = *strands;
 
@@ -732,7 +773,8 @@ PetscErrorCode StrandsDestroy(Strands *strands) {
   PetscCall(PetscFree5(self->g, self->g_t, self->c, self->strain, self->arc));
   PetscCall(PetscFree3(self->seen, self->force, self->joint));
   PetscCall(PetscFree2(self->spot, self->placed));
-  PetscCall(PetscFree2(self->of, self->s));
+  PetscCall(PetscFree4(self->of, self->s, self->span, self->span_end));
+  PetscCall(PetscFree(self->joint_at));
   PetscCall(PetscFree(self->weight));
   PetscCall(PetscFree(self->first));
   PetscCall(PetscFree(self->dual));

@@ -78,6 +78,7 @@ typedef struct {
 PetscErrorCode StrandsCreate(Scene scene, Strands *strands);
 PetscErrorCode StrandsCreateSeveral(PetscInt n, const Scene scene[], StrandsMeet meet, void *ctx,
                                     Strands *strands);
+PetscErrorCode StrandsJoin(Strands strands, const PetscInt rod[2], const PetscInt node[2]);
 PetscErrorCode StrandsDestroy(Strands *strands);
 PetscErrorCode StrandsSearch(Strands strands, const StrandState *state);
 PetscErrorCode StrandsLoad(Strands strands, const StrandState *state);

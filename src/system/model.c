@@ -1,5 +1,6 @@
 #include "system/model.h"
 #include "rod/ask.h"
+#include "rod/rules.h"
 #include "rod/strand_rows.h"
 #include <petsc/private/petscimpl.h> /* PetscObjectStateSet() */
 
@@ -13,6 +14,7 @@ typedef struct {
   RodModel model; /* of all */
   PetscInt *at;
   Part *part;
+  Joints joints;            /* borrowed */
   StrandRows rows;          /* of those that touch; NULL: none can */
   Mat window;               /* the part of a matrix that is one rod's: see Window */
   RodSeen seen;             /* the latest state, */
@@ -99,6 +101,7 @@ static PetscErrorCode Residual(Rod rod, const RodState *at, Vec F) {
     PetscCall(rod->each[k]->model->residual(rod->each[k], &own, ((System *)rod->data)->part[k].F));
   }
   PetscCall(Leave(rod, F));
+  PetscCall(JointsResidual(((System *)rod->data)->joints, rod, at->t, at->U, F));
   PetscFunctionReturn(0);
 }
 
@@ -157,7 +160,7 @@ static PetscErrorCode OpenWindow(PetscInt nodes, PetscInt fields, Mat *part) {
   PetscFunctionReturn(0);
 }
 
-/* The matrix of all: the rods' own, which it is without what they do to each other. */
+/* The matrix of all: the rods' own, and what they do to each other, which adds to blocks. */
 static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
   const System *self = (const System *)rod->data;
   Window *window;
@@ -176,7 +179,10 @@ static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
     PetscCall(rod->each[k]->model->jacobian(rod->each[k], &own, self->window));
   }
   PetscCall(Leave(rod, NULL));
+  PetscCall(MatAssemblyBegin(J, MAT_FLUSH_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FLUSH_ASSEMBLY));
   if (self->rows) PetscCall(StrandRowsJacobian(rod, self->rows, at, J));
+  PetscCall(JointsJacobian(self->joints, rod, at->t, at->U, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -303,6 +309,17 @@ static void MakeModel(const RodModel *of_each, RodModel *model) {
   model->recalled = Recalled;
 }
 
+/* Rods that feel each other are measured against a part of the longest of them. */
+static PetscErrorCode Measures(Rod rod) {
+  PetscReal length;
+
+  PetscFunctionBegin;
+  if (!rod->coupled) PetscFunctionReturn(0);
+  PetscCall(RodLength(rod, 0, &length));
+  for (PetscInt k = 0; k < rod->rods; k++) rod->each[k]->least = rod_rule.joined_part * length;
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode MakeParts(Rod rod) {
   System *self = (System *)rod->data;
   const PetscInt fields = rod->model->fields;
@@ -329,9 +346,10 @@ static PetscErrorCode MakeParts(Rod rod) {
   the caller destroys it with RodDestroy(), before their scenes.
 
   each     with their units
-  strands  of those that may touch, which must outlive it; NULL: none can
+  joints   of them; must outlive it, as
+  strands  of those that may touch; NULL: none can
 */
-PetscErrorCode SystemCreate(PetscInt n, Rod each[], Strands strands, Rod *rod) {
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands strands, Rod *rod) {
   System *system;
   Rod self;
 
@@ -346,16 +364,21 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Strands strands, Rod *rod) {
   self->alone = PETSC_TRUE;
   self->order = each[0]->order;
   self->rods = n;
+  system->joints = joints;
+  for (PetscInt k = 0; k < n; k++)
+    if (each[k]->scene->clamp != CLAMP_HELD || each[k]->coupled) self->coupled = PETSC_TRUE;
+  if (JointsCount(joints) > 0) self->coupled = PETSC_TRUE;
   PetscCall(PetscMalloc1(n, &self->each));
   PetscCall(PetscArraycpy(self->each, each, n));
   PetscCall(SceneShare(each[0]->scene, &self->scene));
   PetscCall(MakeParts(self));
+  PetscCall(Measures(self));
   Units(self);
   self->end = system->at[n];
   self->last = self->end - 1;
   PetscCall(OpenWindow(self->end, self->model->fields, &system->window));
   if (strands) PetscCall(StrandRowsCreate(self, strands, &system->rows));
-  self->coupled = (PetscBool)(strands != NULL);
+  if (strands) self->coupled = PETSC_TRUE;
   for (int k = 0; k < 2; k++) self->kept[k].t = PETSC_MIN_REAL;
   PetscCall(DMDACreate1d(PETSC_COMM_SELF, DM_BOUNDARY_NONE, self->end, self->model->fields, 1, NULL,
                          &self->da));

@@ -3,9 +3,8 @@
 #ifndef TENDRIL_SYSTEM_MODEL_H
 #define TENDRIL_SYSTEM_MODEL_H
 
-#include "rod/rod.h"
-#include "rod/strands.h"
+#include "system/joints.h"
 
-PetscErrorCode SystemCreate(PetscInt n, Rod each[], Strands strands, Rod *rod);
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands strands, Rod *rod);
 
 #endif

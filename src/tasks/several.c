@@ -12,6 +12,7 @@
 
 typedef struct {
   Rods rods;
+  Joints joints;
   PetscInt n;
   Scene *scene;
   Leg leg;              /* of all */
@@ -52,8 +53,6 @@ PetscErrorCode SeveralAsked(PetscBool *asked) {
 /* Refuses what several rods together cannot yet. */
 static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionBegin;
-  UserCheck(scene->clamp == CLAMP_HELD, OptionsComm(),
-            "-clamp_type: of several rods each is held in its clamp in this version; take it out");
   UserCheck(!scene->tropism.any, OptionsComm(),
             "-tropism_ options and -growth_ironing: several rods do not know of a natural "
             "curvature that the material learns in this version; take them out");
@@ -62,18 +61,28 @@ static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode MakeScene(Run *self, PetscInt k) {
-  PetscBool itself = PETSC_FALSE;
+static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
+  PetscBool carried, touch = PETSC_FALSE;
+  const char *why;
   Scene scene;
+  Seat seat;
 
   PetscFunctionBegin;
-  PetscCall(OptionBool("-contact_self", &itself, NULL));
-  PetscCall(SceneCreateAmong((PetscBool)(itself || RodsTouch(self->rods)), &self->scene[k]));
+  PetscCall(JointsSeat(self->joints, k, each, &seat, &carried));
+  PetscCall(RodsEnter(self->rods, k));
+  PetscCall(OptionBool("-contact_self", &touch, NULL));
+  if (RodsTouch(self->rods)) touch = PETSC_TRUE;
+  PetscCall(SceneCreateOn(carried ? &seat : NULL, touch, &self->scene[k]));
   scene = self->scene[k];
   PetscCall(SingleShape(scene));
   scene->space.rod = PETSC_TRUE;
   PetscCall(CheckRod(scene));
+  PetscCall(JointsHold(self->joints, k, scene));
+  why = rod_space.refuses(scene);
+  UserCheck(!why, OptionsComm(), "%s", why);
   SceneAtTolerance(scene, self->rtol);
+  PetscCall(RodsLeave(self->rods));
+  PetscCall(JointsDouble(self->joints, self->rods, k, scene));
   if (!self->restart[0]) PetscFunctionReturn(0);
   PetscCall(SeveralLabels(self->restart, k, scene));
   PetscCall(SceneRecall(scene, &self->own[k].laws));
@@ -139,6 +148,12 @@ static PetscErrorCode MakeStrands(Run *self) {
     if (self->scene[k]->contact.among) any = PETSC_TRUE;
   for (int i = 0; i < 2 && any; i++)
     PetscCall(StrandsCreateSeveral(self->n, self->scene, Meet, self->rods, &self->strands[i]));
+  for (PetscInt j = 0; j < JointsCount(self->joints) && any; j++) {
+    const Joint *joint = JointsGet(self->joints, j);
+    const PetscInt rod[2] = {joint->rod, joint->carrier},
+                   node[2] = {joint->tip ? self->scene[joint->rod]->mesh.cells : 0, joint->node};
+    for (int i = 0; i < 2; i++) PetscCall(StrandsJoin(self->strands[i], rod, node));
+  }
   RodForget(&self->looked);
   PetscFunctionReturn(0);
 }
@@ -147,18 +162,20 @@ static PetscErrorCode MakeLeg(Run *self) {
   Rod *each, all;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(self->n, &each));
-  for (PetscInt k = 0; k < self->n; k++) {
+  PetscCall(PetscCalloc1(self->n, &each));
+  for (PetscInt i = 0; i < self->n; i++) {
+    const PetscInt k = JointsNext(self->joints, i);
+    PetscCall(MakeScene(self, k, each));
     PetscCall(RodsEnter(self->rods, k));
-    PetscCall(MakeScene(self, k));
     PetscCall(RodCreate(self->scene[k], &rod_space, &each[k]));
     PetscCall(RodFindUnits(each[k]));
     PetscCall(RodHoldTip(each[k]));
     PetscCall(RodsLeave(self->rods));
     if (self->scene[k]->contact.diameter <= 0) PetscCall(RodsRefuseThin(self->rods, k));
   }
+  PetscCall(JointsClose(self->joints, self->rods, each));
   PetscCall(MakeStrands(self));
-  PetscCall(SystemCreate(self->n, each, self->strands[0], &all));
+  PetscCall(SystemCreate(self->n, each, self->joints, self->strands[0], &all));
   PetscCall(PetscFree(each));
   PetscCall(LegCreateOf(all, self->rtol, &self->leg));
   UserCheck(self->leg.newton.elimination || all->coupled, OptionsComm(),
@@ -237,7 +254,7 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   PetscCall(LegPart(&self->leg, k, grow->now));
   grow->now->ease.most = grow->eased / self->rtol;
   PetscCall(LegPartFollow(grow->now));
-  PetscCall(EstimateCreate(grow->now, &grow->estimate));
+  if (!JointsCount(self->joints)) PetscCall(EstimateCreate(grow->now, &grow->estimate));
   PetscCall(ObserverCreate(grow->scene, &grow->observer));
   if (grow->scene->contact.among) ObserverAmong(grow->observer, TellStrands, self, k);
   PetscCall(OutputCreate("", grow->scene, &grow->output));
@@ -672,6 +689,7 @@ static PetscErrorCode Begin(Run *self) {
   if (self->restart[0]) PetscCall(CheckSame(self));
   PetscCall(ReadOptions(self));
   if (self->restart[0]) PetscCall(ReadEach(self));
+  PetscCall(JointsRead(self->rods, &self->joints));
   PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
   PetscCall(MakeLeg(self));
   self->leg.owner = self;
@@ -743,6 +761,7 @@ static PetscErrorCode End(Run *self) {
   for (PetscInt k = 0; k < self->n && self->scene; k++) PetscCall(SceneDestroy(&self->scene[k]));
   PetscCall(PetscFree3(self->scene, self->each, self->output));
   if (self->begun) PetscCall(SeveralEnd(&self->file));
+  PetscCall(JointsDestroy(&self->joints));
   PetscCall(RodsDestroy(&self->rods));
   PetscCall(PetscFree(self->own));
   WordsFree(&self->words);

@@ -35,12 +35,12 @@ static void Create(PetscReal friction, const char *more, World *world) {
   world->friction = friction;
   for (int k = 0; k < RODS; k++) {
     SetOptions("%s -contact_stiffness 300 %s %s", shared, own[k], more);
-    CHECK(SceneCreateAmong(PETSC_TRUE, &world->scene[k]));
+    CHECK(SceneCreateOn(NULL, PETSC_TRUE, &world->scene[k]));
     world->scene[k]->space.rod = PETSC_TRUE;
     CHECK(RodCreate(world->scene[k], &rod_space, &world->each[k]));
   }
   CHECK(StrandsCreateSeveral(RODS, world->scene, Meet, world, &world->strands));
-  CHECK(SystemCreate(RODS, world->each, world->strands, &world->all));
+  CHECK(SystemCreate(RODS, world->each, NULL, world->strands, &world->all));
 }
 
 static void Destroy(World *world) {
