@@ -58,7 +58,7 @@ ALWAYS_INLINE void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cel
   const Learned self = rod->learned;
   LearnedRow *row = &factor->at_mid;
 
-  MakeRow(rod, place, &cell->slope[1], shift + n + self->per, n, bends, row);
+  MakeRow(rod, place, &cell->slope[AT_MID], shift + n + self->per, n, bends, row);
   for (PetscInt b = 0; b < bends; b++)
     for (int e = 0; e < 2; e++) {
       memset(factor->mid[e][b], 0, sizeof(factor->mid[e][b]));
@@ -92,7 +92,7 @@ ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const 
       memcpy(mid, factor->mid[e][b], sizeof(mid));
       for (PetscInt c = 0; c < bends; c++) LearnedAdd(n, factor->chain[e][b][c], end->by[c], mid);
       AddOuter(n, cell->column[2 * e][b], end->by[b], J[e]);
-      AddOuter(n, cell->column[1][b], mid, J[e]);
+      AddOuter(n, cell->column[AT_MID][b], mid, J[e]);
     }
   }
 }
@@ -166,7 +166,7 @@ static void CellTimes(const Learned self, const LearnedFactor *factor, const Pet
       LearnedAdd(self->mech, -end[e][c], factor->column[2 * e][c], r);
       for (PetscInt d = 0; d < self->bends; d++) in += factor->chain[e][c][d] * end[e][d];
     }
-    LearnedAdd(self->mech, -in, factor->column[1][c], r);
+    LearnedAdd(self->mech, -in, factor->column[AT_MID][c], r);
   }
 }
 
