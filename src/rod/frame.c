@@ -584,7 +584,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     CellsNext(&cell, i);
     if (i == 0) YieldBegins(&cell, end);
     YieldBlocks(&cell, i, (PetscBool)(i == begin), at->shift, left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[0], learned.clock[0][0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? end[0] : NULL, &learned, left[0], right[0],
                             &learned.slope[0], learned.clock[0][0], NULL, room, J));
@@ -595,7 +595,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     PetscCall(PetscMemzero(end, sizeof(end)));
     for (int r = 0; r < TIP_ROWS; r++) PetscCall(PetscArraycpy(end[r], by[r], FIELDS));
     FrameYieldEnd(at->shift, end[LINE_HALF]);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[2], learned.clock[2][1], at->shift);
     LearnedSignalSlope(rod, &learned.slope[2], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2],
                             learned.clock[2][1], end[0], room, J));
@@ -637,7 +637,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
     FrameLearnedCell(rod, i, cell.h, cell.a, cell.mid, cell.b, PETSC_TRUE,
                      (PetscBool)(i + 1 == rod->last), left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[0], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     if (frame->strands && i >= rod->first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
@@ -645,7 +645,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, cell.b, at->shift, by);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[2], NULL, at->shift);
     LearnedSignalSlope(rod, &learned.slope[2], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], NULL, by[0],
                             room, J));
@@ -744,8 +744,8 @@ static void Condense(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
 
   FrameLearnedCell(rod, i, cell->h, cell->a, cell->mid, cell->b, new_a, new_b, left, right,
                    &learned);
-  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[0], shift);
-  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[2], shift);
+  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[0], NULL, shift);
+  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[2], NULL, shift);
   LearnedCondense(rod, i, &learned, shift, left[0], right[0]);
   if (i + 1 == rod->last) LearnedSignalSlope(rod, &learned.slope[2], shift);
 }

@@ -36,7 +36,7 @@ static void SeeSlope(const Rod rod, PetscInt place, const PetscReal x[2], const 
   const PetscReal *q = p->at.q;
   PetscReal pull[3], by_x[3][3];
 
-  memset(slope, 0, sizeof(*slope));
+  for (int f = 0; f < YIELD_FIELDS; f++) slope->sensed[0][f] = slope->elastic[0][f] = 0;
   slope->elastic[0][M] = ((const Frame *)rod->data)->law[place].flex;
   if (!LearnedSenses(rod, place)) return;
   TropismPull(&rod->scene->tropism, (const PetscReal[3]){x[0], x[1], 0}, pull, by_x);
@@ -99,8 +99,9 @@ static void MidByEnd(PetscReal k, const Law *law, const Point *p,
                      PetscReal by[LEARNED_MOST][LEARNED_MOST], PetscReal by_bend[LEARNED_MOST]) {
   const PetscReal kg = k * law->g, *q = p->at.q;
 
-  memset(by, 0, FIELDS * sizeof(*by));
-  memset(by_bend, 0, LEARNED_MOST * sizeof(*by_bend));
+  for (int f = X1; f <= M; f++)
+    for (int u = 0; u < FIELDS; u++) by[f][u] = 0;
+  for (int f = 0; f < FIELDS; f++) by_bend[f] = 0;
   for (int d = 0; d < 2; d++) {
     by[X1 + d][X1 + d] = 0.5;
     by[X1 + d][TH] = kg * (d ? q[0] : -q[1]);
@@ -136,7 +137,7 @@ void FrameLearnedSlopes(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
   if (at_a) SeeSlope(rod, place, a->at.x, a, &cell->slope[0]);
   SeeSlope(rod, place + 1, x, mid, &cell->slope[1]);
   if (at_b) SeeSlope(rod, place + 2, b->at.x, b, &cell->slope[2]);
-  memset(cell->column[1], 0, sizeof(cell->column[1]));
+  for (int f = 0; f < YIELD_FIELDS; f++) cell->column[1][0][f] = 0;
   cell->column[1][0][TH] = -h * frame->mid_weight * frame->law[place + 1].g;
 }
 
