@@ -27,8 +27,10 @@ from .senses import lamp, number
 from .simulation import BY_WORDS, Simulation
 from .surroundings import vector_of
 
-KEEP_AT_MOST = 0.03  # of the time that it runs, for states to go back to
+KEEP_AT_MOST = 0.025  # of the time that it runs, for states to go back to
 KEPT = 60  # of these, of a branch
+KEPT_BYTES = 1e9  # of these, too
+KEEP_STEP = 5e-5  # seconds, of a state, that each step before it takes: until one was kept
 UNHURRIED = 20  # seconds that a run takes at first, if it can
 HAPPENINGS = 500  # the latest that are kept
 FRAMES = 240  # of a branch that are kept, to be looked at
@@ -100,12 +102,12 @@ class Session:
             self.controls.append({"name": "pull_angle", "label": "direction of that pull", "value": float(np.arctan2(*self.pull_at[1::-1])), "low": -3.1416,
                                   "high": 3.1416, "unit": "rad", "of": "tropism_direction"})
         self.replay_values([])
-        # seconds: since when a step is under way; that it has run, has kept states, that keeping one takes
-        self.busy_since, self.lived, self.keeping, self.to_keep, self.states = None, 0.0, 0.0, 0.1, 0
+        # seconds: since when a step is under way; that it has run, has kept states, that keeping one takes for each step before it
+        self.busy_since, self.lived, self.keeping, self.keep_step, self.states = None, 0.0, 0.0, KEEP_STEP, 0
         self.kept_at = self.stepped = time.monotonic()
         self.rates = deque(maxlen=400)  # (when, iterations)
         self.before = None  # nodes of the step before
-        self.looked, self.unseen, self.slowest = 0.0, False, 0.0
+        self.look_from, self.unseen, self.slowest = 0.0, False, 0.0
         self.idle, self.look_at, self.to_look = True, 0.0, 0.0  # it has waited; the thread's own seconds at the latest look, and of it
         self.lock = threading.RLock()
         self.look()
@@ -348,7 +350,7 @@ class Session:
             self.branch.changes.append((self.sim.t, what, value))
             self.branch.ended = ""
         self.look()
-        self.looked = 0.0  # what comes of it is seen at once
+        self.look_from, self.idle = 0.0, True  # what comes of it is seen at once
 
     def step(self):
         if self.branch.ended:
@@ -378,32 +380,41 @@ class Session:
 
     def may_look(self):
         """Is it time for another look? What looks take is little beside the steps, unless the run waits for the clock."""
-        if time.monotonic() - self.looked <= LOOKS:
-            return False
-        return self.idle or time.thread_time() - self.look_at > self.to_look / LOOK_AT_MOST
+        now = time.monotonic()
+        if now < self.look_from or self.idle:
+            return now >= self.look_from
+        left = self.to_look / LOOK_AT_MOST - (time.thread_time() - self.look_at)
+        self.look_from = now + left  # it cannot have computed for so long before
+        return left <= 0
 
     def keep(self):
         """A state to go back to, where that costs next to nothing beside all else."""
         begin = time.monotonic()
         self.lived += min(begin - self.stepped, 1.0)
         self.stepped = begin
-        if self.keeping + self.to_keep > KEEP_AT_MOST * self.lived or begin - self.kept_at < 1.0:
+        steps = 200 + len(self.branch.times)  # what does not grow with the run is as much as 200 steps
+        if self.keeping + self.keep_step * steps > KEEP_AT_MOST * self.lived or begin - self.kept_at < 1.0:
             return
         self.states += 1
         file = self.directory / f"state-{self.states}.h5"
         with self.lock:
             self.sim.save(file)
-        kept = self.branch.kept
-        kept.append((self.sim.t, file))
-        if len(kept) > KEPT:
-            for _, old in kept[1:-1:2]:
-                old.unlink(missing_ok=True)
-            del kept[1:-1:2]
+        self.branch.kept.append((self.sim.t, file))
+        self.forget()
         if self.so_far:
             self.leave(file)
         self.kept_at = self.stepped = time.monotonic()
-        self.to_keep = self.kept_at - begin
-        self.keeping += self.to_keep
+        self.keep_step = (self.kept_at - begin) / steps
+        self.keeping += self.kept_at - begin
+
+    def forget(self):
+        """Every other state, where there are many, or large ones; neither the first nor the last."""
+        kept = self.branch.kept
+        while len(kept) > 2 and (len(kept) > KEPT or sum(file.stat().st_size for _, file in kept) > KEPT_BYTES):
+            for _, old in kept[1:-1:2]:
+                old.unlink(missing_ok=True)
+                old.with_suffix(".xmf").unlink(missing_ok=True)
+            del kept[1:-1:2]
 
     def leave(self, file):
         """A state beside the results, under a name of its own as soon as it is whole."""
@@ -492,7 +503,8 @@ class Session:
     def look(self, new=True):
         """What there is to see now, to who looks: the rows since the last look, and the rod."""
         begin, self.idle = time.thread_time(), False
-        took, self.slowest, self.unseen, self.looked = self.slowest, 0.0, False, time.monotonic()
+        took, self.slowest, self.unseen, now = self.slowest, 0.0, False, time.monotonic()
+        self.look_from = max(self.look_from, now - LOOKS) + LOOKS
         with self.lock:
             sim = self.sim
             have = len(self.branch.times) if new else len(sim.series["t"])
@@ -500,14 +512,15 @@ class Session:
             t = sim.t
             frame = frame_of(sim, self.before, t)
             self.before = sim.nodes, t
+        news = self.news(np.array([*self.branch.rows[-1:], *rows]), took) if self.branch.rows and rows else []
         for row in rows:
-            last = self.branch.rows[-1] if self.branch.rows else None
             self.branch.add(row)
-            self.note(row, last, took if row is rows[-1] else 0.0)
+        for text in news:
+            self.happened(text)
         if new:
             self.keep_frame(t, frame)
         iterations = self.names.index("newton_iterations")
-        self.rates.append((self.looked, len(rows), sum(row[iterations] for row in rows)))
+        self.rates.append((now, len(rows), sum(row[iterations] for row in rows)))
         self.look_at = time.thread_time()
         self.to_look = self.look_at - begin
         self.publish({"kind": "frame", "t": t, "rows": rows, "frame": frame, "branch": self.branch.number,
@@ -541,34 +554,31 @@ class Session:
         del self.branch.happened[:-HAPPENINGS]
         self.publish({"kind": "happened", "t": t, "text": text, "branch": self.branch.number, "to": None})
 
-    def note(self, row, before, took):
-        """Names what happens in a step, and why it was slow."""
-        at = dict(zip(self.names, row))
-        last = dict(zip(self.names, before)) if before else {}
-        if last:
-            if at.get("contacts", 0) > 0 and not last.get("contacts", 0):
-                self.happened("it touches")
-            if last.get("contacts", 0) > 0 and not at.get("contacts", 0):
-                self.happened("it lets go")
-            if at.get("self_crossings", 0) > last.get("self_crossings", 0):
-                self.happened("it crosses itself")
-            fast = max(at.get("tip_speed", 0), at.get("mid_speed", 0)) > FAST
-            if fast and not self.snapping(last) and at["t"] > 1e-6 * self.end:  # (a start out of balance gives way at once)
-                self.happened("it snaps")
-        if took > SLOW:
-            self.happened(f"a step took {took:.1f} s: {self.why(at, last)}")
+    def news(self, rows, took):
+        """What happens in steps, of which the row before them is the first, and why the last was slow: in words."""
+        def column(name):
+            return rows[:, self.names.index(name)] if name in self.names else np.zeros(len(rows))
 
-    @staticmethod
-    def snapping(at):
-        return max(at.get("tip_speed", 0), at.get("mid_speed", 0)) > FAST
+        def begins(now):
+            return now[1:] & ~now[:-1]
+
+        touches, crossings, fast = column("contacts") > 0, column("self_crossings"), np.maximum(column("tip_speed"), column("mid_speed")) > FAST
+        found = {"it touches": begins(touches), "it lets go": begins(~touches), "it crosses itself": crossings[1:] > crossings[:-1],
+                 "it snaps": begins(fast) & (column("t")[1:] > 1e-6 * self.end)}  # (a start out of balance gives way at once)
+        counts = {text: np.count_nonzero(when) for text, when in found.items()}
+        told = [text if count == 1 else f"{text}, {count} times" for text, count in counts.items() if count]
+        if took > SLOW:
+            last, at = (dict(zip(self.names, row)) for row in rows[-2:])
+            told.append(f"a step took {took:.1f} s: {self.why(at, last)}")
+        return told
 
     def why(self, at, last):
         """In words, why a step was slow."""
-        if self.snapping(at):
+        if max(at.get("tip_speed", 0), at.get("mid_speed", 0)) > FAST:
             return "the rod snaps, and is followed as it does"
-        if last and at.get("contacts", 0) != last.get("contacts", 0):
+        if at.get("contacts", 0) != last.get("contacts", 0):
             return "what touches changes"
-        if last and at.get("step", 0) < 1e-3 * last.get("step", 0):
+        if at.get("step", 0) < 1e-3 * last.get("step", 0):
             return "steps got shorter: it may be about to give way, or is jammed"
         if at.get("newton_iterations", 0) > 15:
             return f"{int(at['newton_iterations'])} iterations: contact or friction changes all along the rod"

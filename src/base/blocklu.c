@@ -30,7 +30,7 @@ typedef struct {
 typedef struct {
   PetscInt nodes, fields, wide; /* a row of a block has room for so many numbers */
   size_t size;                  /* of a block */
-  PetscBool held;               /* the last node's own block may be singular: it is the last */
+  PetscBool *late;              /* of nodes whose own block may be singular: they come last */
   PetscBool factored;
   Row *row;
   PetscReal *pool;
@@ -226,7 +226,19 @@ static PetscErrorCode MakeRoom(const BlockLU *self, Side *side) {
   PetscFunctionReturn(0);
 }
 
-/* The order of least degree, of equals the first; a last node that is held comes last. */
+/* The node of least degree that is not out yet, of equals the first; late ones wait for the others.
+ */
+static int Next(const BlockLU *self, const int degree[]) {
+  int best[2] = {-1, -1};
+
+  for (PetscInt i = 0; i < self->nodes; i++) {
+    int *of = &best[self->late[i]];
+    if (degree[i] < INT32_MAX && (*of < 0 || degree[i] < degree[*of])) *of = (int)i;
+  }
+  return best[0] >= 0 ? best[0] : best[1];
+}
+
+/* The order of least degree. */
 static PetscErrorCode Order(BlockLU *self) {
   const PetscInt nodes = self->nodes, words = self->words;
   int *degree = self->place;
@@ -236,10 +248,7 @@ static PetscErrorCode Order(BlockLU *self) {
   for (PetscInt i = 0; i < nodes; i++) degree[i] = Count(self->set + i * words, words);
   self->behind.from[0] = 0;
   for (PetscInt k = 0; k < nodes; k++) {
-    const PetscInt end = self->held && k < nodes - 1 ? nodes - 1 : nodes;
-    int best = -1;
-    for (PetscInt i = 0; i < end; i++)
-      if (degree[i] < INT32_MAX && (best < 0 || degree[i] < degree[best])) best = (int)i;
+    const int best = Next(self, degree);
     degree[best] = INT32_MAX; /* it is out */
     PetscCall(TakeOut(self, k, best, degree));
   }
@@ -450,6 +459,7 @@ static PetscErrorCode Destroy(Mat J) {
   PetscCall(PetscFree2(self->sees, self->set));
   PetscCall(PetscFree5(self->row, self->order, self->place, self->at, self->own));
   PetscCall(PetscFree(self->work));
+  PetscCall(PetscFree(self->late));
   PetscCall(PetscFree(self));
   PetscFunctionReturn(0);
 }
@@ -458,9 +468,10 @@ static PetscErrorCode Destroy(Mat J) {
   BlockLUCreate - the matrix, 0, of nodes times fields; its blocks are made as they are set
   (MatSetValuesBlocked). Not collective; BlockLUCan() says whether it can be.
 
-  held  the last node's own block may be singular: what holds a tip
+  n_late, late  nodes whose own block may be singular: what holds a tip
 */
-PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscBool held, Mat *J) {
+PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscInt n_late,
+                             const PetscInt late[], Mat *J) {
   const PetscInt n = nodes * fields;
   BlockLU *self;
 
@@ -470,12 +481,13 @@ PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscBool held, Ma
   self->fields = fields;
   self->wide = SizeOf(fields)->wide;
   self->size = (size_t)(self->fields * self->wide);
-  self->held = held;
   self->words = (nodes + 63) / 64;
   PetscCall(PetscCalloc2(nodes * self->words, &self->sees, nodes * self->words, &self->set));
   PetscCall(PetscCalloc5(nodes, &self->row, nodes, &self->order, nodes, &self->place, nodes,
                          &self->at, (size_t)nodes * self->size, &self->own));
   PetscCall(PetscCalloc1(nodes * self->wide, &self->work));
+  PetscCall(PetscCalloc1(nodes, &self->late));
+  for (PetscInt k = 0; k < n_late; k++) self->late[late[k]] = PETSC_TRUE;
   PetscCall(PetscCalloc1(nodes + 1, &self->before.from));
   PetscCall(PetscCalloc1(nodes + 1, &self->behind.from));
   PetscCall(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, self, J));

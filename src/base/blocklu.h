@@ -7,7 +7,8 @@
 #include <petscksp.h>
 
 PetscBool BlockLUCan(PetscInt nodes, PetscInt fields);
-PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscBool held, Mat *J);
+PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscInt n_late,
+                             const PetscInt late[], Mat *J);
 PetscErrorCode BlockLUSetSolver(KSP ksp);
 
 #endif

@@ -7,7 +7,7 @@ static void FindDrive(Rod rod) {
   PetscReal pull[3] = {0};
 
   if (law->senses) TropismPull(law, clamp, pull, NULL);
-  for (int d = 0; d < 2; d++)
+  for (int d = 0; d < MIRRORS; d++)
     rod->learned->drive[d] =
         rod->scene->reach * (PetscAbsReal(pull[1 + d]) + PetscAbsReal(law->nutation[d]));
 }

@@ -5,6 +5,7 @@
 #ifndef TENDRIL_LEARNED_H
 #define TENDRIL_LEARNED_H
 
+#include "curve/cell.h"
 #include "rod/rod.h"
 
 enum { LEARNED_MOST = 15, LEARNED_STENCIL = 6 }; /* unknowns of the mechanics of a node, at most */
@@ -63,8 +64,8 @@ typedef struct Learned_ {
   PetscReal *k, *k_t;         /* states; places as of laws: 2 (i - first + 1) + half */
   PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
   PetscReal nutation[TROPISM_BENDS]; /* at the time of the state */
-  PetscBool born;     /* node 0 is here, and material comes in there: it has learned nothing */
-  PetscReal drive[2]; /* how much it bends a straight rod towards x2, x3 */
+  PetscBool born; /* node 0 is here, and material comes in there: it has learned nothing */
+  PetscReal drive[MIRRORS]; /* how much it bends a straight rod towards x2, x3 */
   PetscReal *given, *clock; /* of places: natural bends that are given, a */
   PetscReal *drives;        /* Dk/Dt/a */
   PetscReal *row;           /* residual of owned nodes: mechanics; behind it those of states */

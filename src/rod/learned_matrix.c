@@ -93,10 +93,10 @@ static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Row
 
   PutOwn(rod, i, 1, row, rows);
   for (int e = 0; e < 2; e++)
-    PutClock(rod, 2 * (i - rod->first + 1) + 1, first, OWN + e, cell->clock[1][e], rows);
+    PutClock(rod, 2 * (i - rod->first + 1) + 1, first, OWN + e, cell->clock[AT_MID][e], rows);
   for (PetscInt b = 0; b < self->bends; b++) {
     PetscReal of[2][LEARNED_MOST];
-    OfPoint(rod, row->clock, &cell->slope[1], b, of[0], of[1]);
+    OfPoint(rod, row->clock, &cell->slope[AT_MID], b, of[0], of[1]);
     for (int k = 0; k < (self->remembers ? 2 : 1); k++)
       for (int e = 0; e < 2; e++) {
         const PetscInt at = first + k * self->bends + b;
@@ -125,7 +125,7 @@ static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal
         *Entry(rod, rows, r, a + e, self->mech + b) += cell->column[2 * e][b][r];
     }
     for (PetscInt b = 0; b < self->bends; b++)
-      *Entry(rod, rows, r, a, self->mech + self->per + b) += cell->column[1][b][r];
+      *Entry(rod, rows, r, a, self->mech + self->per + b) += cell->column[AT_MID][b][r];
   }
 }
 

@@ -57,14 +57,15 @@ ALWAYS_INLINE void MakeMid(const Rod rod, PetscInt place, const LearnedCell *cel
   const PetscInt n = size.n, span = size.to - size.from;
   LearnedRow *row = &factor->at_mid;
 
-  MakeRow(rod, place, &cell->slope[1], NULL, shift + n + self->per, size, row);
+  MakeRow(rod, place, &cell->slope[AT_MID], NULL, shift + n + self->per, size, row);
   for (PetscInt b = 0; b < size.bends; b++)
     for (int e = 0; e < 2; e++) {
       PetscReal by[LEARNED_MOST] = {0};
       for (PetscInt f = size.from; f < size.to; f++)
         LearnedAdd(n, row->by[b][f], cell->by_node[e][f], by);
       if (clocked)
-        LearnedAdd(n, self->drives[place * size.bends + b] / row->own[b], cell->clock[1][e], by);
+        LearnedAdd(n, self->drives[place * size.bends + b] / row->own[b], cell->clock[AT_MID][e],
+                   by);
       for (PetscInt f = 0; f < n; f++) factor->mid[e][b][f] = by[f];
       for (PetscInt c = 0; c < size.bends; c++)
         factor->chain[e][b][c] =
@@ -99,7 +100,7 @@ ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const 
       for (PetscInt c = 0; c < size.bends; c++)
         for (PetscInt f = from; f < to; f++) mid[f] += factor->chain[e][b][c] * end->by[c][f];
       AddOuter(n, from, to, cell->column[2 * e][b], end->by[b], J[e]);
-      AddOuter(n, 0, n, cell->column[1][b], mid, J[e]);
+      AddOuter(n, 0, n, cell->column[AT_MID][b], mid, J[e]);
     }
   }
 }
@@ -116,7 +117,7 @@ ALWAYS_INLINE void CellTimes(const LearnedFactor *factor, const PetscReal *a, co
       LearnedAdd(size.n, -end[e][c], factor->column[2 * e][c], r);
       for (PetscInt d = 0; d < size.bends; d++) in += factor->chain[e][c][d] * end[e][d];
     }
-    LearnedAdd(size.n, -in, factor->column[1][c], r);
+    LearnedAdd(size.n, -in, factor->column[AT_MID][c], r);
   }
 }
 
@@ -221,8 +222,8 @@ ALWAYS_INLINE void Unfold(const Rod rod, const PetscReal signal[], Size size, Pe
   X(Plane, 6, 2, 4, 1, PETSC_FALSE)                                                                \
   X(PlaneLamp, 6, 0, 4, 1, PETSC_FALSE)                                                            \
   X(PlaneYields, 8, 0, 4, 1, PETSC_TRUE)                                                           \
-  X(Space, 13, 3, 10, 2, PETSC_FALSE) X(SpaceLamp, 13, 0, 10, 2, PETSC_FALSE)                      \
-      X(SpaceYields, 15, 0, 10, 2, PETSC_TRUE)
+  X(Space, 13, 3, 10, 2, PETSC_FALSE)                                                              \
+  X(SpaceLamp, 13, 0, 10, 2, PETSC_FALSE) X(SpaceYields, 15, 0, 10, 2, PETSC_TRUE)
 
 struct LearnedKind_ {
   PetscInt n;

@@ -43,10 +43,11 @@ PetscInt EstimateFineNode(const Estimate self, PetscInt k) {
    eliminated. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = RodEndsOf(self->rod).tip_held;
+  const PetscInt tip = self->nodes - 1;
 
   PetscFunctionBegin;
   if (self->rod->coupled && BlockLUCan(self->nodes, self->fields)) {
-    PetscCall(BlockLUCreate(self->nodes, self->fields, held, &self->J));
+    PetscCall(BlockLUCreate(self->nodes, self->fields, held, &tip, &self->J));
     PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
     PetscCall(BlockLUSetSolver(self->ksp));
     PetscFunctionReturn(0);

@@ -62,11 +62,12 @@ static void Solve(PetscInt fields, PetscBool held) {
   KSPConvergedReason reason;
   PetscReal first = 0;
   Vec x, b, r;
+  const PetscInt tip = NODES - 1;
   PetscInt n;
   Mat J;
   KSP ksp;
 
-  CHECK(BlockLUCreate(NODES, fields, held, &J));
+  CHECK(BlockLUCreate(NODES, fields, held, &tip, &J));
   CHECK(MatCreateVecs(J, &x, &b));
   CHECK(VecDuplicate(b, &r));
   CHECK(VecGetSize(b, &n));
