@@ -124,7 +124,7 @@ class Session:
         r = self.setup
         units = laboratory_units([replace(r, series=self.typical())])
         return {"kind": "scene", "name": self.played.name, "space": self.space, "flat": not self.space, "controls": self.controls,
-                "walls": drawn_walls(self), "diameter": float(r.diameter), "leads": may_lead_tip(self.played),
+                "walls": drawn_walls(self), "diameter": float(r.diameter), "reach": float(self.typical()["length"][-1]), "leads": may_lead_tip(self.played),
                 "pulls": self.played.held == "free", "lamp": self.lamp_at is not None, "posts": len(self.played.posts), "charts": charts_of([r]),
                 "labels": {n: plain(name_of(n)) for n in self.names}, "symbols": {n: plain(symbol_of(n)) for n in self.names},
                 "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
