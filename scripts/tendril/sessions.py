@@ -4,6 +4,7 @@ it has. It knows nothing of who looks at it: what there is to see goes to a func
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import os
 import queue
 import shutil
@@ -399,6 +400,7 @@ class Session:
         file = self.directory / f"state-{self.states}.h5"
         with self.lock:
             self.sim.save(file)
+        give_back()
         self.branch.kept.append((self.sim.t, file))
         self.forget()
         if self.so_far:
@@ -736,6 +738,12 @@ def drawn_walls(session):
                         "lines3": [np.round(np.ravel(edge), 5).tolist() for piece in pieces for edge in piece.lines]}
         found.append(one)
     return found
+
+
+def give_back():
+    """To the system, what writing a long run has taken for a moment: this thread would keep it, the more the longer the run."""
+    with contextlib.suppress(AttributeError, OSError, TypeError):  # where the library of C has no such call
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 def set_in(sim, what, value):
