@@ -13,9 +13,20 @@ static inline Vector2 From2(const PetscReal a[]) {
   return (Vector2){a[0], a[1]};
 }
 
+/* Column c of a matrix of two rows, each of n. */
+static inline Vector2 Column2(const PetscReal *M, int n, int c) {
+  return (Vector2){M[c], M[n + c]};
+}
+
 static inline void Put2(Vector2 a, PetscReal to[]) {
   to[0] = a.x;
   to[1] = a.y;
+}
+
+/* Adds to the first two of an array. */
+static inline void Add2(Vector2 a, PetscReal to[]) {
+  to[0] += a.x;
+  to[1] += a.y;
 }
 
 static inline Vector2 Plus2(Vector2 a, Vector2 b) {
@@ -37,6 +48,10 @@ static inline Vector2 Over2(Vector2 a, PetscReal s) {
 /* a + s b */
 static inline Vector2 Along2(Vector2 a, PetscReal s, Vector2 b) {
   return (Vector2){a.x + s * b.x, a.y + s * b.y};
+}
+
+static inline Vector2 Direction2(PetscReal angle) {
+  return (Vector2){PetscCosReal(angle), PetscSinReal(angle)};
 }
 
 /* turned to the left by a quarter */

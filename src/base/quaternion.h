@@ -2,7 +2,7 @@
 #ifndef TENDRIL_QUATERNION_H
 #define TENDRIL_QUATERNION_H
 
-#include <petscsys.h>
+#include "base/vectors.h"
 
 /* QuaternionTimes - r = p q; r is neither of them. */
 static inline void QuaternionTimes(const PetscReal p[4], const PetscReal q[4], PetscReal r[4]) {
@@ -20,7 +20,7 @@ static inline void QuaternionFrom(const PetscReal h[4], const PetscReal p[4], Pe
 
 /* QuaternionNormalise - makes its length 1. */
 static inline void QuaternionNormalise(PetscReal p[4]) {
-  const PetscReal f = 1 / PetscSqrtReal(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3]);
+  const PetscReal f = 1 / PetscSqrtReal(Dot4(p, p));
   for (int k = 0; k < 4; k++) p[k] *= f;
 }
 

@@ -8,6 +8,9 @@
 #include "base/plane.h"
 #include "base/vectors.h"
 
+/* The points of a cell that laws are known at, in this order. */
+enum { AT_A, AT_MID, AT_B };
+
 /*
   CurveParabola - the parts that values at both ends of a cell and between them have in a place z of
   the parabola through them, and in its slope by z; either may be NULL.
@@ -56,6 +59,11 @@ static inline PetscReal CurveBetweenSlope(const PetscReal at[3], PetscReal z) {
 static inline PetscReal CurveMid(PetscReal k, PetscReal a, PetscReal slope_a, PetscReal b,
                                  PetscReal slope_b) {
   return (a + b) / 2 + k * (slope_a - slope_b);
+}
+
+static inline Vector2 CurveMid2(PetscReal k, Vector2 a, Vector2 slope_a, Vector2 b,
+                                Vector2 slope_b) {
+  return Along2(Over2(Plus2(a, b), 2), k, Minus2(slope_a, slope_b));
 }
 
 /* CurveMidOf - what one end gives to that, where it is summed up end by end; k is -h/8 of b. */
@@ -158,6 +166,19 @@ static inline void CurveMove(const CurveCell *cell, const CurvePlace *place, Cur
 typedef struct {
   PetscReal q[3][4], slope_t[3][4], shift[3];
 } CurveEnd;
+
+/* CurveEndInPlane - of an end at an angle, direction q: derivatives of q are q_perp, of that -q;
+   shift that of the rate of the angle. */
+static inline void CurveEndInPlane(Vector2 q, PetscReal theta_t, PetscReal g, PetscReal g_t,
+                                   PetscReal shift, CurveEnd *end) {
+  const Vector2 perp = Left2(q), turned = Minus2(Times2(shift, perp), Times2(theta_t, q)),
+                slope_t = Along2(Times2(g_t, perp), g, turned);
+
+  end->q[0][0] = perp.x;
+  end->q[1][0] = perp.y;
+  end->slope_t[0][0] = slope_t.x;
+  end->slope_t[1][0] = slope_t.y;
+}
 
 /* Derivatives by the unknowns of the nodes at both ends, those of the second behind the first's:
    place, what turns, and as many more as a node has, on which the curve does not depend. */

@@ -141,7 +141,7 @@ PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nod
   self.p[0] = 0;
   for (PetscInt i = 0; i < cells; i++)
     self.p[i + 1] = self.p[i] + Size2(Minus2(From2(nodes[i + 1].x), From2(nodes[i].x)));
-  PetscCall(BlocksOfLine(2, cells, NODE_VALUES, nodes[0].x, NULL, &line));
+  PetscCall(BlocksOfLine(2, cells, NODE_VALUES, nodes[0].x, NULL, NULL, &line));
   BlocksPairs(line, diameter, TooNear, Meet, &self);
   PetscCall(BlocksDestroy(&line));
   PetscCall(PetscFree(self.p));
@@ -169,7 +169,7 @@ static PetscReal PushAt(PetscBool space, const Node *node) {
 
   if (!space) return -n[0] * PetscCosReal(theta) - n[1] * PetscSinReal(theta);
   Directors(node->p, QuaternionSize(node->p), d);
-  return -m[0] * d[0][0] - m[1] * d[0][1] - m[2] * d[0][2];
+  return -Dot3(m, d[0]);
 }
 
 /*

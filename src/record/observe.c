@@ -74,6 +74,12 @@ PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
   PetscFunctionReturn(0);
 }
 
+/* ObserverAmong - what it measures is one of several rods: who knows all of them tells what strands
+   do to it. */
+void ObserverAmong(Observer self, TouchingTell tell, void *ctx, PetscInt rod) {
+  if (self->touching) TouchingAmong(self->touching, tell, ctx, rod);
+}
+
 PetscErrorCode ObserverDestroy(Observer *observer) {
   PetscFunctionBegin;
   if (!*observer) PetscFunctionReturn(0);
@@ -155,10 +161,8 @@ static void AddContact(Observer self, Observation *seen) {
   seen->penetration = ContactBears(&self->scene->contact, contact->nearest) ? -contact->nearest : 0;
   seen->contacts = contact->zones;
   SceneToLab(self->scene, contact->wall, lab);
-  seen->wall_force_1 = lab[0];
-  seen->wall_force_2 = lab[1];
-  seen->wall_force_3 = lab[2];
-  seen->wall_power = contact->moved;
+  Split3(lab, &seen->wall_force_1, &seen->wall_force_2, &seen->wall_force_3);
+  seen->wall_power = contact->moved + contact->given;
   SceneToLab(self->scene, contact->clamp, lab);
   seen->base_force_1 -= lab[0];
   seen->base_force_2 -= lab[1];
@@ -195,13 +199,9 @@ static void MeasureForces(Observer self, const Piece *piece, Observation *seen) 
   }
   if (self->linear) friction[0] = AxialDrop(self, piece) - weight[0];
   SceneToLab(self->scene, friction, lab);
-  seen->friction_force_1 = lab[0];
-  seen->friction_force_2 = lab[1];
-  seen->friction_force_3 = lab[2];
+  Split3(lab, &seen->friction_force_1, &seen->friction_force_2, &seen->friction_force_3);
   SceneToLab(self->scene, weight, lab);
-  seen->weight_force_1 = lab[0];
-  seen->weight_force_2 = lab[1];
-  seen->weight_force_3 = lab[2];
+  Split3(lab, &seen->weight_force_1, &seen->weight_force_2, &seen->weight_force_3);
 }
 
 /* The laws of a piece of a rod in space: a look at contact has found them. */

@@ -76,7 +76,7 @@ static PetscErrorCode SampleMid(Scene scene, PetscReal sa, PetscReal sb, PetscRe
     force = Plus2(force, CurveMidOf2(k * p->g, From2(n->force), F));
     if (scene->load.weighs) force = Along2(force, -k * p->g, weight);
   }
-  if (feet) force = Along2(force, h / 8, Minus2(From2(feet[0]), From2(feet[2])));
+  if (feet) force = Along2(force, h / 8, Minus2(From2(feet[AT_A]), From2(feet[AT_B])));
   Put2(x, mid->node.x);
   Put2(x_t, mid->node.x_t);
   Put2(force, mid->node.force);

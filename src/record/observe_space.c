@@ -20,7 +20,7 @@ static PetscReal WritheRate(const Sample3 *p) {
   PetscReal bend[3];
 
   for (int i = 0; i < 3; i++) bend[i] = p->u[2] * p->d[1][i] - p->u[1] * p->d[2][i];
-  return (q[1] * bend[2] - q[2] * bend[1]) / (2 * PETSC_PI * PetscMax(1e-12, 1 + q[0]));
+  return Cross2(From2(q + 1), From2(bend + 1)) / (2 * PETSC_PI * PetscMax(1e-12, 1 + q[0]));
 }
 
 static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observation *sum) {
@@ -83,33 +83,39 @@ static PetscReal ClampPower(Scene scene, const Sample3 *p) {
   return -p->moment[0] * 2 / QuaternionSize(p->node.p) * turn[1];
 }
 
-static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
-  PetscReal lab[3];
-
-  seen->feed_force = -Tension3(p);
-  seen->growth_power += p->law.c * seen->feed_force;
-  SceneToLab(scene, p->node.n3, lab);
-  seen->base_force_1 = -lab[0];
-  seen->base_force_2 = -lab[1];
-  seen->base_force_3 = -lab[2];
-  SceneToLab(scene, p->node.m3, lab);
-  seen->base_moment_1 = -lab[0];
-  seen->base_moment_2 = -lab[1];
-  seen->base_moment_3 = -lab[2];
-  seen->clamp_power = ClampPower(scene, p);
-}
-
-/* How fast the material there turns: 2 p_t p* of the directors, and c u of what slides past them.
+/* How fast a section turns: 2 p_t p* of the directors, and c u of material that slides past them.
  */
-static void Omega(const Sample3 *p, PetscReal omega[3]) {
+static void Omega(const Sample3 *p, PetscReal c, PetscReal omega[3]) {
   PetscReal turn[4];
 
   QuaternionFrom(p->node.p, p->node.p_t, turn); /* about the directors */
   for (int i = 0; i < 3; i++) {
     omega[i] = 0;
     for (int k = 0; k < 3; k++)
-      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + p->law.c * p->u[k]);
+      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + c * p->u[k]);
   }
+}
+
+/* The power of what a section bears, at its place. */
+static PetscReal PowerOf(const Sample3 *p) {
+  PetscReal omega[3];
+
+  Omega(p, 0, omega);
+  return Dot3(p->node.n3, p->node.x3_t) + Dot3(p->node.m3, omega);
+}
+
+static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
+  PetscReal lab[3];
+
+  seen->feed_force = -Tension3(p);
+  seen->growth_power += p->law.c * seen->feed_force;
+  SceneToLab(scene, p->node.n3, lab);
+  Times3(-1, lab, lab);
+  Split3(lab, &seen->base_force_1, &seen->base_force_2, &seen->base_force_3);
+  SceneToLab(scene, p->node.m3, lab);
+  Times3(-1, lab, lab);
+  Split3(lab, &seen->base_moment_1, &seen->base_moment_2, &seen->base_moment_3);
+  seen->clamp_power = SceneCarried(scene) ? -PowerOf(p) : ClampPower(scene, p);
 }
 
 /* contact: its force on the tip, and its couple about the tangent. */
@@ -118,22 +124,19 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
   const Node *tip = &p->node;
   PetscReal lab[3], omega[3], force[3];
 
-  Omega(p, omega);
-  seen->tip_speed = PetscSqrtReal(Dot3(p->at.v, p->at.v));
+  Omega(p, p->law.c, omega);
+  seen->tip_speed = Size3(p->at.v);
   seen->tip_spin = p->spin;
   seen->tip_power = Dot3(tip->n3, p->at.v) - Dot3(contact, p->at.v) + Dot3(tip->m3, omega) -
                     contact[SPIN] * p->spin;
   seen->tip_angle = tip->theta;
   SceneToLab(scene, tip->x3, lab);
-  seen->end_distance = PetscSqrtReal(Dot3(lab, lab));
-  seen->tip_x1 = lab[0] + scene->space.place[0];
-  seen->tip_x2 = lab[1] + scene->space.place[1];
-  seen->tip_x3 = lab[2] + scene->space.place[2];
+  seen->end_distance = Size3(lab);
+  ScenePlaceToLab(scene, tip->x3, lab);
+  Split3(lab, &seen->tip_x1, &seen->tip_x2, &seen->tip_x3);
   for (int d = 0; d < 3; d++) force[d] = tip->n3[d] - contact[d];
   SceneToLab(scene, force, lab);
-  seen->tip_force_1 = lab[0];
-  seen->tip_force_2 = lab[1];
-  seen->tip_force_3 = lab[2];
+  Split3(lab, &seen->tip_force_1, &seen->tip_force_2, &seen->tip_force_3);
 }
 
 /* What is read at s = 1/2, on the parabola through the points of the cell that holds it. */
@@ -143,11 +146,13 @@ static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, co
 
   CurveParabola(z, w, NULL);
   for (int d = 0; d < 3; d++) {
-    x[d] = w[0] * a->node.x3[d] + w[1] * mid->node.x3[d] + w[2] * b->node.x3[d];
-    v[d] = w[0] * a->at.v[d] + w[1] * mid->at.v[d] + w[2] * b->at.v[d];
+    const PetscReal x_at[3] = {a->node.x3[d], mid->node.x3[d], b->node.x3[d]},
+                    v_at[3] = {a->at.v[d], mid->at.v[d], b->at.v[d]};
+    x[d] = CurveSum(w, x_at);
+    v[d] = CurveSum(w, v_at);
   }
-  seen->mid_distance = PetscSqrtReal(Dot3(x, x));
-  seen->mid_speed = PetscSqrtReal(Dot3(v, v));
+  seen->mid_distance = Size3(x);
+  seen->mid_speed = Size3(v);
 }
 
 /*
@@ -186,6 +191,7 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
     Integrate3(scene, &mid, 4 * h / 6, seen);
     Integrate3(scene, &b, h / 6, seen);
     seen->link += TurnedBetween(&a.node, &b.node);
+    if (h == 0) seen->clamp_power += PowerOf(&a) - PowerOf(&b); /* of rods that are joined to it */
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle3((0.5 - s[i]) / h, &a, &mid, &b, seen);
   }
   if (end == nodes - 1) MeasureTip3(scene, &b, contact, seen);

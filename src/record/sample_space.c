@@ -90,7 +90,7 @@ static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscRe
   }
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3, l = (i + 2) % 3;
-    d1_t[i] = D[i][0] * n->p_t[0] + D[i][1] * n->p_t[1] + D[i][2] * n->p_t[2] + D[i][3] * n->p_t[3];
+    d1_t[i] = Dot4(D[i], n->p_t);
     mid->x3[i] += CurveMidOf(k * p->law.g, n->x3[i], q[i]);
     mid->x3_t[i] += CurveMidOf(k, n->x3_t[i], p->law.g_t * q[i] + p->law.g * d1_t[i]);
     mid->m3[i] += CurveMidOf(-k * p->law.g, n->m3[i],
@@ -120,8 +120,8 @@ PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
   AddEnd(scene, a, &rate[0], h / 8, &mid->node, &turns);
   AddEnd(scene, b, &rate[1], -h / 8, &mid->node, &turns);
   for (int i = 0; i < 3 && feet; i++) {
-    mid->node.n3[i] += h / 8 * (feet[0][i] - feet[2][i]);
-    mid->node.m3[i] += h / 8 * (feet[0][3 + i] - feet[2][3 + i]);
+    mid->node.n3[i] += h / 8 * (feet[AT_A][i] - feet[AT_B][i]);
+    mid->node.m3[i] += h / 8 * (feet[AT_A][3 + i] - feet[AT_B][3 + i]);
   }
   Fill(t, law, mid);
   if (scene->tropism.any) Learned3(scene, t, a->node.learned + 1, mid);

@@ -69,9 +69,7 @@ static void InSpace(Scene scene, const Node *node, const Material *at, LabNode *
 
   Directors(node->p, QuaternionSize(node->p), d);
   for (int k = 0; k < 3; k++) {
-    lab->strain[k] =
-        at->u0[k] +
-        (d[k][0] * node->m3[0] + d[k][1] * node->m3[1] + d[k][2] * node->m3[2]) / at->S[k];
+    lab->strain[k] = at->u0[k] + Dot3(d[k], node->m3) / at->S[k];
     v[k] = node->x3_t[k] + at->c * d[0][k];
     SceneToLab(scene, d[k], lab->d[k]);
   }

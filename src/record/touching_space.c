@@ -43,9 +43,7 @@ static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, con
       curve->x[e][d] = p->node.x3[d];
       curve->q[e][d] = p->d[0][d];
       curve->x_t[e][d] = p->node.x3_t[d];
-      curve->slope_t[e][d] =
-          p->law.g_t * p->d[0][d] +
-          p->law.g * (D[d][0] * p_t[0] + D[d][1] * p_t[1] + D[d][2] * p_t[2] + D[d][3] * p_t[3]);
+      curve->slope_t[e][d] = p->law.g_t * p->d[0][d] + p->law.g * Dot4(D[d], p_t);
     }
   }
 }

@@ -3,10 +3,10 @@
 #ifndef TENDRIL_DIRECTORS_H
 #define TENDRIL_DIRECTORS_H
 
-#include <petscsys.h>
+#include "base/vectors.h"
 
 static inline PetscReal QuaternionSize(const PetscReal p[4]) {
-  return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] + p[3] * p[3];
+  return Dot4(p, p);
 }
 
 /* The directors d[k], k = 0 the tangent, of p, |p|^2 = size. */
@@ -48,7 +48,7 @@ static inline void DirectorSlope(const PetscReal p[4], PetscReal size, const Pet
 static inline void DirectorRateSlope(const PetscReal p[4], PetscReal size, const PetscReal d[3],
                                      const PetscReal d_t[3], int k, const PetscReal D[3][4],
                                      const PetscReal p_t[4], PetscReal by[3][4]) {
-  const PetscReal dot = p[0] * p_t[0] + p[1] * p_t[1] + p[2] * p_t[2] + p[3] * p_t[3];
+  const PetscReal dot = Dot4(p, p_t);
 
   DirectorForm(p_t, k, by);
   for (int i = 0; i < 3; i++)
@@ -68,6 +68,14 @@ static inline void QuaternionTurn(const PetscReal p[4], const PetscReal u[3], Pe
 static inline PetscReal QuaternionSpin(const PetscReal p[4], PetscReal size,
                                        const PetscReal p_t[4]) {
   return 2 / size * (p[0] * p_t[1] - p[1] * p_t[0] - p[2] * p_t[3] + p[3] * p_t[2]);
+}
+
+/* ... of which the product changes so by p_t; and by p with the sign of SpinForm(p_t) turned. */
+static inline void SpinForm(const PetscReal p[4], PetscReal form[4]) {
+  form[0] = -p[1];
+  form[1] = p[0];
+  form[2] = p[3];
+  form[3] = -p[2];
 }
 
 #endif

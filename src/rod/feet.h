@@ -100,7 +100,9 @@ PetscReal FootShareRate(const Contact *contact, const FootCell *cell, const Feet
 
 /* Of a foot: w.H w. */
 static inline PetscReal FootSquare(const PetscReal H[3][3], const PetscReal w[3]) {
-  return w[0] * Dot3(H[0], w) + w[1] * Dot3(H[1], w) + w[2] * Dot3(H[2], w);
+  PetscReal bent[3];
+  Turn3(H, w, bent);
+  return Dot3(w, bent);
 }
 
 /* ... the second derivative of the distance by z: x_z.H x_z + n.x_zz. */

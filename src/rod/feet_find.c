@@ -266,8 +266,9 @@ static PetscReal Hull(const CurveCell *curve, PetscReal b[4][3]) {
   CurveBezier(3, curve, b[0]);
   CurvePlaceAt(curve, &middle);
   for (int k = 0; k < 4; k++) {
-    const PetscReal o[3] = {b[k][0] - middle.x[0], b[k][1] - middle.x[1], b[k][2] - middle.x[2]};
-    extent = PetscMax(extent, PetscSqrtReal(Dot3(o, o)));
+    PetscReal o[3];
+    Minus3(b[k], middle.x, o);
+    extent = PetscMax(extent, Size3(o));
   }
   return extent;
 }

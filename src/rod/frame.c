@@ -41,17 +41,14 @@ typedef struct {
 /* The point at a node; u, u_t its six unknowns and their rates. */
 static inline void PointAtNode(const Load *load, const Law *law, const FrictionDual *dual,
                                const PetscReal *u, const PetscReal *u_t, Point *p) {
-  const PetscReal theta = u[TH]; /* (one call for sine and cosine) */
+  const Vector2 q = Direction2(u[TH]);
 
-  p->theta = theta;
+  p->theta = u[TH];
   p->m = u[M];
-  p->at.q[0] = PetscCosReal(theta);
-  p->at.q[1] = PetscSinReal(theta);
-  for (int d = 0; d < 2; d++) {
-    p->n[d] = u[N1 + d];
-    p->at.v[d] = u_t[X1 + d] + law->c * p->at.q[d];
-    p->at.x[d] = u[X1 + d];
-  }
+  Put2(From2(u + N1), p->n);
+  Put2(From2(u + X1), p->at.x);
+  Put2(q, p->at.q);
+  Put2(Along2(From2(u_t + X1), law->c, q), p->at.v);
   PointEvaluate(load, law, dual, p);
 }
 
@@ -59,21 +56,18 @@ static inline void PointAtNode(const Load *load, const Law *law, const FrictionD
 static void PointAtMid(const Load *load, const Law law[3], const FrictionDual *dual, PetscReal k,
                        const Point *a, const Point *b, const PetscReal *ua_t, const PetscReal *ub_t,
                        Point *p) {
-  PetscReal wa[2], wb[2];
-  VelocitySlope(&law[0], a, ua_t[TH], wa);
-  VelocitySlope(&law[2], b, ub_t[TH], wb);
   const PetscReal theta = CurveMid(k, a->theta, a->f[TH], b->theta, b->f[TH]);
+  const Vector2 q = Direction2(theta), wa = VelocitySlope(&law[AT_A], a, ua_t[TH]),
+                wb = VelocitySlope(&law[AT_B], b, ub_t[TH]);
+
   p->theta = theta;
   p->m = CurveMid(k, a->m, a->f[M], b->m, b->f[M]);
-  p->at.q[0] = PetscCosReal(theta);
-  p->at.q[1] = PetscSinReal(theta);
-  for (int d = 0; d < 2; d++) {
-    p->n[d] = CurveMid(k, a->n[d], a->f[N1 + d], b->n[d], b->f[N1 + d]);
-    p->at.v[d] = CurveMid(k, ua_t[X1 + d], wa[d], ub_t[X1 + d], wb[d]) + law[1].c * p->at.q[d];
-  }
-  for (int d = 0; d < 2 && load->moves; d++)
-    p->at.x[d] = CurveMid(k, a->at.x[d], a->f[X1 + d], b->at.x[d], b->f[X1 + d]);
-  PointEvaluate(load, &law[1], dual, p);
+  Put2(q, p->at.q);
+  Put2(CurveMid2(k, From2(a->n), From2(a->f + N1), From2(b->n), From2(b->f + N1)), p->n);
+  Put2(Along2(CurveMid2(k, From2(ua_t + X1), wa, From2(ub_t + X1), wb), law[AT_MID].c, q), p->at.v);
+  if (load->moves)
+    Put2(CurveMid2(k, From2(a->at.x), From2(a->f + X1), From2(b->at.x), From2(b->f + X1)), p->at.x);
+  PointEvaluate(load, &law[AT_MID], dual, p);
 }
 
 /* The laws at all points of the owned nodes and the cells beside them, at time t. */
@@ -110,8 +104,7 @@ static void Forget(Frame *frame) {
 /* Adds to n' what strands that touch do at node i, or behind it. */
 static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
   if (!cell->push) return;
-  p->f[N1] += cell->push[2 * i + half][0];
-  p->f[N2] += cell->push[2 * i + half][1];
+  Add2(From2(cell->push[2 * i + half]), p->f + N1);
 }
 
 /* The cell that is looked at, for its feet. */
@@ -129,12 +122,10 @@ static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
   }
   for (int e = 0; e < 2; e++) {
     curve->g[e] = cell->law[2 * e].g;
-    VelocitySlope(&cell->law[2 * e], end[e], cell->u_t[i + e][TH], curve->slope_t[e]);
-    for (int d = 0; d < 2; d++) {
-      curve->x[e][d] = cell->u[i + e][d];
-      curve->x_t[e][d] = cell->u_t[i + e][d];
-      curve->q[e][d] = end[e]->at.q[d];
-    }
+    Put2(VelocitySlope(&cell->law[2 * e], end[e], cell->u_t[i + e][TH]), curve->slope_t[e]);
+    Put2(From2(cell->u[i + e] + X1), curve->x[e]);
+    Put2(From2(cell->u_t[i + e] + X1), curve->x_t[e]);
+    Put2(From2(end[e]->at.q), curve->q[e]);
   }
 }
 
@@ -142,7 +133,7 @@ static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
    its middle. */
 static FrictionDual *HeldAt(const Cell *cell) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  return cell->rod->scene->contact.walls.rub ? cell->dual[1] + frame->duals - 1 : NULL;
+  return cell->rod->scene->contact.walls.rub ? cell->dual[AT_MID] + frame->duals - 1 : NULL;
 }
 
 /* The feet of the cell, and what they push with; returns how many. */
@@ -167,11 +158,9 @@ static void AddFeet(Cell *cell, PetscInt i) {
   (void)memset(load, 0, sizeof(FootLoad));
   if (!CellsFeet(cell, i, &of, &feet)) return;
   FeetHandOut(&of, &feet, load);
-  for (int d = 0; d < 2; d++) {
-    mid->n[d] += frame->bow * cell->h * (load[0][d] - load[2][d]);
-    mid->f[N1 + d] += load[1][d];
-  }
-  mid->f[M] = -cell->law[1].g * (mid->at.q[0] * mid->n[1] - mid->at.q[1] * mid->n[0]);
+  Add2(Times2(frame->bow * cell->h, Minus2(From2(load[AT_A]), From2(load[AT_B]))), mid->n);
+  Add2(From2(load[AT_MID]), mid->f + N1);
+  mid->f[M] = -cell->law[AT_MID].g * Cross2(From2(mid->at.q), From2(mid->n));
 }
 
 /* The rates at node i, or their shifts: a place that is held at rest has none. */
@@ -262,7 +251,7 @@ static void CellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   if (cell->known) return;
   PetscReal still[FIELDS];
   cell->mid->at.t = cell->t;
-  PointAtMid(cell->load, cell->law, cell->dual[1], frame->bow * cell->h, cell->a, cell->b,
+  PointAtMid(cell->load, cell->law, cell->dual[AT_MID], frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], Still(cell, i + 1, cell->u_t[i + 1], still), cell->mid);
   AddPush(cell, i, 1, cell->mid);
   if (frame->feet) AddFeet(cell, i);
@@ -274,7 +263,7 @@ static void CellsNext(Cell *cell, PetscInt i) {
 
 /* (h g)^2/B in the middle of a cell, see FootLoad. */
 static PetscReal KinkOf(const Cell *cell) {
-  return PetscSqr(cell->h * cell->law[1].g) * cell->law[1].flex;
+  return PetscSqr(cell->h * cell->law[AT_MID].g) * cell->law[AT_MID].flex;
 }
 
 /* Residual of the six equations of a cell; feet: what they add to n' at its points, NULL: none. */
@@ -286,9 +275,8 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
            cell->h * (frame->end_weight * (cell->a->f[f] + cell->b->f[f]) +
                       frame->mid_weight * cell->mid->f[f]);
   if (!feet) return;
-  for (int d = 0; d < 2; d++) r[N1 + d] -= cell->h * frame->end_weight * (feet[0][d] + feet[2][d]);
-  r[TH] -= KinkOf(cell) *
-           (cell->mid->at.q[0] * feet[FOOT_KINK][1] - cell->mid->at.q[1] * feet[FOOT_KINK][0]);
+  Add2(Times2(-cell->h * frame->end_weight, Plus2(From2(feet[AT_A]), From2(feet[AT_B]))), r + N1);
+  r[TH] -= KinkOf(cell) * Cross2(From2(cell->mid->at.q), From2(feet[FOOT_KINK]));
 }
 
 /* What the tip's conditions are about. */
@@ -341,8 +329,8 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
   if (end == rod->last + 1) {
     TipState tip = TipOf(cell.b);
     TipResidual(&rod->scene->tip, &tip, TipDual(rod), &F_[rod->last][M]);
-    for (int d = 0; d < 2 && cell.push && rod->scene->tip.type == TIP_FREE; d++)
-      F_[rod->last][N1 + d] -= cell.push[2 * rod->last + 1][d];
+    if (cell.push && rod->scene->tip.type == TIP_FREE)
+      Add2(Times2(-1, From2(cell.push[2 * rod->last + 1])), &F_[rod->last][N1]);
     if (rod->learned) FrameLearnedResidual(rod, rod->last, 0, cell.b, NULL, NULL);
     if (frame->yields) FrameYieldEnds(rod, rod->last, cell.b);
   }
@@ -359,7 +347,7 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
 static void AddVaried(const Load *load, PetscReal g, const LoadSlope *slope, int d,
                       PetscReal fn[3]) {
   if (load->turns) fn[TH] += g * slope->theta[d];
-  for (int c = 0; c < 2 && load->moves; c++) fn[X1 + c] += g * slope->x[d][c];
+  if (load->moves) Add2(Times2(g, From2(slope->x[d])), fn + X1);
 }
 
 /*
@@ -376,59 +364,58 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
                          PetscReal J[FIELDS][FIELDS]) {
   const PetscReal g = law->g, gm = mid_law->g, k = -sign * frame->bow * h,
                   we = h * frame->end_weight, wm = h * frame->mid_weight * gm;
-  const PetscReal *q = p->at.q, *qm = mid->at.q, perp[2] = {-q[1], q[0]},
-                  perp_m[2] = {-qm[1], qm[0]};
-  const PetscReal turn = g * (q[0] * p->n[0] + q[1] * p->n[1]); /* d(m')/d(theta) */
-  const PetscReal turn_m = wm * (qm[0] * mid->n[0] + qm[1] * mid->n[1]);
+  const Vector2 q = From2(p->at.q), qm = From2(mid->at.q), perp = Left2(q), perp_m = Left2(qm);
+  const PetscReal turn = g * Dot2(q, From2(p->n)); /* d(m')/d(theta) */
+  const PetscReal turn_m = wm * Dot2(qm, From2(mid->n));
   const PetscReal by_m = k * g * law->flex, flex_m = wm * mid_law->flex; /* d(theta_mid)/dm */
-  PetscReal fn[2][3]; /* d(n') at the node by x1, x2, theta; k times that is d(n_mid) */
+  PetscReal fn[X2 + 1][3]; /* d(n') at the node by x1, x2, theta; k times that is d(n_mid) */
 
-  for (int d = 0; d < 2; d++) {
-    const PetscReal drag[2] = {g * slope->W[d][0], g * slope->W[d][1]};
-    fn[d][X1] = shift[X1] * drag[0];
-    fn[d][X2] = shift[X2] * drag[1];
-    fn[d][TH] = law->c * (drag[0] * perp[0] + drag[1] * perp[1]);
+  for (int d = X1; d <= X2; d++) {
+    const Vector2 drag = Times2(g, From2(slope->W[d]));
+    const PetscReal across = d == X1 ? perp.x : perp.y, across_m = d == X1 ? perp_m.x : perp_m.y;
+    fn[d][X1] = shift[X1] * drag.x;
+    fn[d][X2] = shift[X2] * drag.y;
+    fn[d][TH] = law->c * Dot2(drag, perp);
     if (!load->plain) AddVaried(load, g, slope, d, fn[d]);
-  }
-  for (int d = 0; d < 2; d++) {
-    J[X1 + d][X1 + d] = sign;
-    J[X1 + d][X2 - d] = 0;
-    J[X1 + d][TH] = -we * g * perp[d] - wm * perp_m[d] / 2;
-    J[X1 + d][M] = -wm * perp_m[d] * by_m;
-    J[X1 + d][N1] = J[X1 + d][N2] = 0;
+    J[d][X1] = d == X1 ? sign : 0;
+    J[d][X2] = d == X2 ? sign : 0;
+    J[d][TH] = -we * g * across - wm * across_m / 2;
+    J[d][M] = -wm * across_m * by_m;
+    J[d][N1] = J[d][N2] = 0;
   }
   J[TH][X1] = J[TH][X2] = 0;
   J[TH][TH] = sign - flex_m * k * turn; /* of m_mid */
   J[TH][M] = -we * g * law->flex - flex_m / 2;
-  J[TH][N1] = -flex_m * k * g * q[1];
-  J[TH][N2] = flex_m * k * g * q[0];
-  for (int f = X1; f <= TH; f++) J[M][f] = -wm * k * (qm[1] * fn[0][f] - qm[0] * fn[1][f]);
+  J[TH][N1] = -flex_m * k * g * q.y;
+  J[TH][N2] = flex_m * k * g * q.x;
+  for (int f = X1; f <= TH; f++) J[M][f] = -wm * k * (qm.y * fn[X1][f] - qm.x * fn[X2][f]);
   J[M][TH] -= we * turn + turn_m / 2;
   J[M][M] = sign - turn_m * by_m;
-  J[M][N1] = -we * g * q[1] - wm * qm[1] / 2;
-  J[M][N2] = we * g * q[0] + wm * qm[0] / 2;
-  for (int d = 0; d < 2; d++) {
-    const PetscReal drag[2] = {wm * mid_slope->W[d][0], wm * mid_slope->W[d][1]};
-    const PetscReal along = mid_law->c * (drag[0] * perp_m[0] + drag[1] * perp_m[1]); /* by theta */
-    const PetscReal by_q = drag[0] * q[0] + drag[1] * q[1],
-                    by_perp = drag[0] * perp[0] + drag[1] * perp[1];
-    for (int f = X1; f <= X2; f++) J[N1 + d][f] = -we * fn[d][f] - shift[f] * drag[f] / 2;
-    J[N1 + d][TH] =
+  J[M][N1] = -we * g * q.y - wm * qm.y / 2;
+  J[M][N2] = we * g * q.x + wm * qm.x / 2;
+  for (int d = X1; d <= X2; d++) {
+    const Vector2 drag = Times2(wm, From2(mid_slope->W[d]));
+    const PetscReal along = mid_law->c * Dot2(drag, perp_m); /* by theta */
+    const PetscReal by_q = Dot2(drag, q), by_perp = Dot2(drag, perp);
+    PetscReal *row = J[N1 + d];
+    row[X1] = -we * fn[d][X1] - shift[X1] * drag.x / 2;
+    row[X2] = -we * fn[d][X2] - shift[X2] * drag.y / 2;
+    row[TH] =
         -we * fn[d][TH] - along / 2 -
         k * (law->g_t * by_perp - g * theta_t * by_q + shift[TH] * g * by_perp); /* of v_mid */
-    J[N1 + d][M] = -along * by_m;
-    J[N1 + d][N1 + d] = sign;
-    J[N1 + d][N2 - d] = 0;
-  }
-  if (load->plain) return;
-  for (int d = 0; d < 2; d++) {
+    row[M] = -along * by_m;
+    row[N1] = d == X1 ? sign : 0;
+    row[N2] = d == X2 ? sign : 0;
     if (load->turns) {
-      J[N1 + d][TH] -= wm * mid_slope->theta[d] / 2;
-      J[N1 + d][M] -= wm * mid_slope->theta[d] * by_m;
+      row[TH] -= wm * mid_slope->theta[d] / 2;
+      row[M] -= wm * mid_slope->theta[d] * by_m;
     }
-    for (int c = 0; c < 2 && load->moves; c++) { /* by x_mid */
-      J[N1 + d][X1 + c] -= wm * mid_slope->x[d][c] / 2;
-      J[N1 + d][TH] -= wm * mid_slope->x[d][c] * k * g * perp[c];
+    if (load->moves) { /* by x_mid */
+      const PetscReal *by_x = mid_slope->x[d];
+      row[X1] -= wm * by_x[X1] / 2;
+      row[TH] -= wm * by_x[X1] * k * g * perp.x;
+      row[X2] -= wm * by_x[X2] / 2;
+      row[TH] -= wm * by_x[X2] * k * g * perp.y;
     }
   }
 }
@@ -447,29 +434,12 @@ static void PutRows(Rows rows, int from, PetscInt column, PetscReal part[FIELDS]
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
-/* How the ends of the cell that is looked at change, for its feet: q, q_perp and -q. */
-static void FootEnds(const Cell *cell, PetscInt i, const PetscReal shift[], FootEnd end[2]) {
-  const Point *at[2] = {cell->a, cell->b};
-
-  (void)memset(end, 0, 2 * sizeof(*end));
-  for (int e = 0; e < 2; e++) {
-    const PetscReal *q = at[e]->at.q, perp[2] = {-q[1], q[0]}, theta_t = cell->u_t[i + e][TH];
-    const Law *law = &cell->law[2 * e];
-    for (int d = 0; d < 2; d++) {
-      end[e].curve.shift[d] = shift[X1 + d];
-      end[e].curve.q[d][0] = perp[d];
-      end[e].curve.slope_t[d][0] =
-          law->g_t * perp[d] + law->g * (shift[TH] * perp[d] - theta_t * q[d]);
-    }
-  }
-}
-
 /* Adds to a cell's equations by its nodes what comes of its feet. */
 static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
                          PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  const PetscReal h = cell->h, *q = cell->mid->at.q,
-                  wm = h * frame->mid_weight * cell->law[1].g * frame->bow * h;
+  const Vector2 q = From2(cell->mid->at.q);
+  const PetscReal h = cell->h, wm = h * frame->mid_weight * cell->law[AT_MID].g * frame->bow * h;
   const PetscReal kink = KinkOf(cell);
   PetscReal turn; /* of the kink by the angle in the middle */
   FootSlope by;
@@ -482,21 +452,30 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
   (void)memset(by, 0, sizeof(by));
   (void)memset(load, 0, sizeof(load));
   FeetHandOut(&of, &feet, load);
-  turn = -kink * (q[0] * load[FOOT_KINK][0] + q[1] * load[FOOT_KINK][1]);
+  turn = -kink * Dot2(q, From2(load[FOOT_KINK]));
   left[TH][TH] -= turn / 2;
   right[TH][TH] -= turn / 2;
-  left[TH][M] -= turn * frame->bow * h * cell->law[0].g * cell->law[0].flex;
-  right[TH][M] += turn * frame->bow * h * cell->law[2].g * cell->law[2].flex;
-  FootEnds(cell, i, shift, end);
+  left[TH][M] -= turn * frame->bow * h * cell->law[AT_A].g * cell->law[AT_A].flex;
+  right[TH][M] += turn * frame->bow * h * cell->law[AT_B].g * cell->law[AT_B].flex;
+  (void)memset(end, 0, sizeof(end));
+  for (int e = 0; e < 2; e++) {
+    const Law *law = &cell->law[2 * e];
+    Put2(From2(shift + X1), end[e].curve.shift);
+    CurveEndInPlane(From2((e ? cell->b : cell->a)->at.q), cell->u_t[i + e][TH], law->g, law->g_t,
+                    shift[TH], &end[e].curve);
+  }
   FeetLinearise(&cell->rod->scene->contact, &of, end, cell->fresh, HeldAt(cell), &feet, by);
   for (int u = 0; u < 2 * 3; u++) {
     PetscReal(*J)[FIELDS] = u < 3 ? left : right;
-    const PetscReal bow[2] = {by[0][0][u] - by[2][0][u], by[0][1][u] - by[2][1][u]}; /* n_mid */
-    J[TH][u % 3] -= kink * (q[0] * by[FOOT_KINK][1][u] - q[1] * by[FOOT_KINK][0][u]);
-    J[M][u % 3] -= wm * (q[1] * bow[0] - q[0] * bow[1]);
-    for (int d = 0; d < 2; d++)
-      J[N1 + d][u % 3] -=
-          h * (frame->end_weight * (by[0][d][u] + by[2][d][u]) + frame->mid_weight * by[1][d][u]);
+    const Vector2 a = Column2(by[AT_A][0], FOOT_UNKNOWNS, u),
+                  mid = Column2(by[AT_MID][0], FOOT_UNKNOWNS, u),
+                  b = Column2(by[AT_B][0], FOOT_UNKNOWNS, u),
+                  turned = Column2(by[FOOT_KINK][0], FOOT_UNKNOWNS, u), bow = Minus2(a, b),
+                  sum = Along2(Times2(frame->end_weight, Plus2(a, b)), frame->mid_weight, mid);
+    J[TH][u % 3] -= kink * Cross2(q, turned);
+    J[M][u % 3] -= wm * Cross2(bow, q); /* of n in the middle */
+    J[N1][u % 3] -= h * sum.x;
+    J[N2][u % 3] -= h * sum.y;
   }
 }
 
@@ -514,16 +493,17 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
   const Frame *frame = (const Frame *)cell->rod->data;
   PetscReal still[FIELDS];
 
-  if (!new_a) cell->slope[0] = cell->slope[2];
-  if (!new_b) cell->slope[2] = cell->slope[0];
+  if (!new_a) cell->slope[AT_A] = cell->slope[AT_B];
+  if (!new_b) cell->slope[AT_B] = cell->slope[AT_A];
   if (new_a) Linearise(cell, 0, cell->a);
   if (new_b) Linearise(cell, 2, cell->b);
   Linearise(cell, 1, cell->mid);
-  CellJacobian(frame, cell->load, cell->h, -1, shift, cell->law, cell->law + 1, cell->u_t[i][TH],
-               cell->a, &cell->slope[0], cell->mid, &cell->slope[1], left);
-  CellJacobian(frame, cell->load, cell->h, 1, ShiftsAt(cell, i + 1, shift, still), cell->law + 2,
-               cell->law + 1, cell->u_t[i + 1][TH], cell->b, &cell->slope[2], cell->mid,
-               &cell->slope[1], right);
+  CellJacobian(frame, cell->load, cell->h, -1, shift, cell->law, cell->law + AT_MID,
+               cell->u_t[i][TH], cell->a, &cell->slope[AT_A], cell->mid, &cell->slope[AT_MID],
+               left);
+  CellJacobian(frame, cell->load, cell->h, 1, ShiftsAt(cell, i + 1, shift, still), cell->law + AT_B,
+               cell->law + AT_MID, cell->u_t[i + 1][TH], cell->b, &cell->slope[AT_B], cell->mid,
+               &cell->slope[AT_MID], right);
   if (frame->feet) AddFeetSlope(cell, i, shift, left, right);
 }
 
@@ -553,7 +533,8 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
                   .at = {cell->a, cell->mid, cell->b}};
 
   for (int e = 0; e < 2; e++) of.turn[e] = cell->u_t[i + e][TH];
-  if (!new_a) cell->slope[0] = cell->slope[2]; /* (each slope is brought up to the state once) */
+  if (!new_a)
+    cell->slope[AT_A] = cell->slope[AT_B]; /* (each slope is brought up to the state once) */
   for (int k = new_a ? 0 : 1; k < 3; k++) Linearise(cell, k, of.at[k]);
   for (int k = 0; k < 3; k++) of.slope[k] = &cell->slope[k];
   FrameLearnedResidual(cell->rod, i, cell->h, cell->a, cell->mid, cell->b); /* what drives it */
@@ -584,10 +565,10 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     CellsNext(&cell, i);
     if (i == 0) YieldBegins(&cell, end);
     YieldBlocks(&cell, i, (PetscBool)(i == begin), at->shift, left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], learned.clock[AT_A][0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? end[0] : NULL, &learned, left[0], right[0],
-                            &learned.slope[0], learned.clock[0][0], NULL, room, J));
+                            &learned.slope[AT_A], learned.clock[AT_A][0], NULL, room, J));
   }
   if (rod->end > rod->last) {
     FrameLearnedResidual(rod, rod->last, 0, cell.b, NULL, NULL);
@@ -595,10 +576,10 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     PetscCall(PetscMemzero(end, sizeof(end)));
     for (int r = 0; r < TIP_ROWS; r++) PetscCall(PetscArraycpy(end[r], by[r], FIELDS));
     FrameYieldEnd(at->shift, end[LINE_HALF]);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
-    LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2],
-                            learned.clock[2][1], end[0], room, J));
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], learned.clock[AT_B][1], at->shift);
+    LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B],
+                            learned.clock[AT_B][1], end[0], room, J));
   }
   PetscCall(CellsClose(&cell));
   PetscCall(PetscFree(room));
@@ -614,7 +595,7 @@ static void KeepCell(const Cell *cell, StrandCell *kept) {
   *kept = (StrandCell){.end_weight = cell->h * frame->end_weight,
                        .mid_weight = cell->h * frame->mid_weight,
                        .bow = cell->h * frame->bow,
-                       .g = cell->law[1].g,
+                       .g = cell->law[AT_MID].g,
                        .q = {cell->mid->at.q[0], cell->mid->at.q[1]}};
 }
 
@@ -637,18 +618,18 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
     FrameLearnedCell(rod, i, cell.h, cell.a, cell.mid, cell.b, PETSC_TRUE,
                      (PetscBool)(i + 1 == rod->last), left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     if (frame->strands && i >= rod->first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
-                            &learned.slope[0], NULL, NULL, room, J));
+                            &learned.slope[AT_A], NULL, NULL, room, J));
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, cell.b, at->shift, by);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
-    LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], NULL, by[0],
-                            room, J));
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], NULL, at->shift);
+    LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B], NULL,
+                            by[0], room, J));
   }
   PetscCall(CellsClose(&cell));
   PetscCall(PetscFree(room));
@@ -744,10 +725,10 @@ static void Condense(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
 
   FrameLearnedCell(rod, i, cell->h, cell->a, cell->mid, cell->b, new_a, new_b, left, right,
                    &learned);
-  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[0], shift);
-  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[2], shift);
+  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, shift);
+  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[AT_B], NULL, shift);
   LearnedCondense(rod, i, &learned, shift, left[0], right[0]);
-  if (i + 1 == rod->last) LearnedSignalSlope(rod, &learned.slope[2], shift);
+  if (i + 1 == rod->last) LearnedSignalSlope(rod, &learned.slope[AT_B], shift);
 }
 
 /* The same matrix, not assembled: each cell is eliminated as soon as it is known. The last of
@@ -813,13 +794,13 @@ static void AddForces(const Cell *cell, PetscInt i, RodForces *end, RodForces *s
     if (at[k])
       LoadParts(2, cell->load, &at[k]->at, cell->dual[k], end->friction, end->walls, &end->moved);
     sum->moved += cell->h * weight[k] * cell->law[k].g * end->moved;
-    for (int d = 0; d < 2; d++) {
+    for (int d = 0; d < 3; d++) {
       sum->friction[d] += cell->h * weight[k] * cell->law[k].g * end->friction[d];
       sum->walls[d] += cell->h * weight[k] * cell->law[k].g * end->walls[d];
     }
   }
   for (PetscInt k = 0; k < n; k++)
-    for (int d = 0; d < 2; d++) {
+    for (int d = 0; d < 3; d++) {
       sum->walls[d] += feet.foot[k].force[d];
       sum->moved += feet.foot[k].force[d] * feet.touch[k].v[d];
     }
@@ -832,8 +813,8 @@ static void AddTip(const Cell *cell, RodForces *sum) {
   const TipState end = TipOf(cell->b);
 
   sum->moved += TipWalls(2, tip, &end, TipDual(rod), sum->tip);
-  for (int d = 0; d < 2; d++) sum->walls[d] += sum->tip[d];
-  for (int d = 0; d < 2 && cell->push && tip->type == TIP_FREE; d++)
+  for (int d = 0; d < 3; d++) sum->walls[d] += sum->tip[d];
+  for (int d = 0; d < 3 && cell->push && tip->type == TIP_FREE; d++)
     sum->tip[d] += cell->push[2 * rod->last + 1][d];
 }
 
@@ -848,7 +829,7 @@ static PetscErrorCode FrameBears(Rod rod, const RodState *at, RodForces *sum) {
     CellsNext(&cell, i);
     if (i < rod->first) continue;
     if (i == rod->first)
-      LoadParts(2, cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
+      LoadParts(2, cell.load, &cell.a->at, cell.dual[AT_A], end.friction, end.walls, &end.moved);
     AddForces(&cell, i, &end, sum);
   }
   if (rod->end == rod->last + 1) AddTip(&cell, sum);
@@ -874,9 +855,9 @@ static PetscErrorCode FrameHold(Rod rod, const RodState *at, PetscReal seen, Pet
     /* the clamped end does not move unless it slides: a shift there would hold nothing, and
        round-off adds up in it to a force on a rod whose x2 may be 1e-25 */
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
-      HoldPoint(cell.load, &cell.a->at, seen, cell.dual[0], creep);
-    HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[1], creep);
-    if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[2], creep);
+      HoldPoint(cell.load, &cell.a->at, seen, cell.dual[AT_A], creep);
+    HoldPoint(cell.load, &cell.mid->at, seen, cell.dual[AT_MID], creep);
+    if (ends) HoldPoint(cell.load, &cell.b->at, seen, cell.dual[AT_B], creep);
     if (frame->feet) HoldFeet(&cell, i, seen, creep);
   }
   if (rod->end == rod->last + 1) {
@@ -990,7 +971,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
   rod->coupled = PETSC_TRUE;
-  PetscCall(StrandRowsCreate(rod, &frame->strands));
+  PetscCall(StrandRowsCreate(rod, NULL, &frame->strands));
   rod->memory += StrandRowsMemory(frame->strands);
   PetscFunctionReturn(0);
 }

@@ -49,10 +49,10 @@ static inline void PointEvaluate(const Load *load, const Law *law, const Frictio
 }
 
 /* The slope x'_t = g_t q + g theta_t q_perp of the velocity at a node. */
-static inline void VelocitySlope(const Law *law, const Point *p, PetscReal theta_t,
-                                 PetscReal w[2]) {
-  w[0] = law->g_t * p->at.q[0] - law->g * theta_t * p->at.q[1];
-  w[1] = law->g_t * p->at.q[1] + law->g * theta_t * p->at.q[0];
+static inline Vector2 VelocitySlope(const Law *law, const Point *p, PetscReal theta_t) {
+  const Vector2 q = From2(p->at.q);
+
+  return Along2(Times2(law->g_t, q), law->g * theta_t, Left2(q));
 }
 
 /* The duals of point k: nodes and mids alternate, from node first - 1 on. */

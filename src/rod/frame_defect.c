@@ -3,30 +3,32 @@
 #include "rod/frame.h"
 #include "rod/pair_defect.h"
 
+static Vector2 Hermite2(PetscReal z, PetscReal h, Vector2 a, Vector2 slope_a, Vector2 b,
+                        Vector2 slope_b) {
+  return (Vector2){HermiteAt(z, h, a.x, slope_a.x, b.x, slope_b.x),
+                   HermiteAt(z, h, a.y, slope_a.y, b.y, slope_b.y)};
+}
+
 /* The point at a + z h on the cubics through a and b; at: the point that is known there, whose
    velocity a place that may stick keeps, for what is held does not depend on it. */
 static void PointOnCubic(const Load *load, const Law *law_a, const Law *law, const Law *law_b,
                          const FrictionDual *dual, PetscReal z, PetscReal h, const Point *a,
                          const Point *b, PetscReal turn_a, PetscReal turn_b, const Point *at,
                          Point *p) {
-  PetscReal wa[2], wb[2];
+  const Vector2 wa = VelocitySlope(law_a, a, turn_a), wb = VelocitySlope(law_b, b, turn_b),
+                va = Along2(From2(a->at.v), -law_a->c, From2(a->at.q)),
+                vb = Along2(From2(b->at.v), -law_b->c, From2(b->at.q));
+  Vector2 v;
 
-  VelocitySlope(law_a, a, turn_a, wa);
-  VelocitySlope(law_b, b, turn_b, wb);
   p->theta = HermiteAt(z, h, a->theta, a->f[TH], b->theta, b->f[TH]);
   p->m = HermiteAt(z, h, a->m, a->f[M], b->m, b->f[M]);
   p->at.t = at->at.t;
-  p->at.x[2] = 0;
-  p->at.q[0] = PetscCosReal(p->theta);
-  p->at.q[1] = PetscSinReal(p->theta);
-  for (int d = 0; d < 2; d++) {
-    p->n[d] = HermiteAt(z, h, a->n[d], a->f[N1 + d], b->n[d], b->f[N1 + d]);
-    p->at.x[d] = HermiteAt(z, h, a->at.x[d], a->f[X1 + d], b->at.x[d], b->f[X1 + d]);
-    p->at.v[d] = HermiteAt(z, h, a->at.v[d] - law_a->c * a->at.q[d], wa[d],
-                           b->at.v[d] - law_b->c * b->at.q[d], wb[d]) +
-                 law->c * p->at.q[d];
-    if (LoadSticks(load)) p->at.v[d] = at->at.v[d];
-  }
+  Zero3(p->at.x);
+  Put2(Direction2(p->theta), p->at.q);
+  Put2(Hermite2(z, h, From2(a->n), From2(a->f + N1), From2(b->n), From2(b->f + N1)), p->n);
+  Put2(Hermite2(z, h, From2(a->at.x), From2(a->f + X1), From2(b->at.x), From2(b->f + X1)), p->at.x);
+  v = Along2(Hermite2(z, h, va, wa, vb, wb), law->c, From2(p->at.q));
+  Put2(LoadSticks(load) ? From2(at->at.v) : v, p->at.v);
   PointEvaluate(load, law, dual, p);
 }
 
@@ -40,8 +42,8 @@ static void Values(const Frame *frame, const Load *load, PetscInt k, PetscReal p
     for (int f = 0; f < FIELDS; f++) value[f][j] = p->f[f];
     if (part == 1) continue;
     LoadForce(2, load, &p->at, FrameDuals(frame, k + j), bare);
-    for (int d = 0; d < 2; d++)
-      value[N1 + d][j] += (1 - part) * (frame->law[k + j].g * bare[d] - p->f[N1 + d]);
+    for (int f = N1; f <= N2; f++)
+      value[f][j] += (1 - part) * (frame->law[k + j].g * bare[f - N1] - p->f[f]);
   }
 }
 
@@ -53,7 +55,7 @@ static void PairDefect(const Frame *frame, const Contact *contact, const Load *l
   const PetscReal h1 = s[1] - s[0], h2 = s[2] - s[1], h = h1 + h2;
   const Point *p = frame->point + k;
   const Law *law = frame->law + k;
-  const PetscReal part = PairSees(contact, law[2].g * h / 2);
+  const PetscReal part = PairSees(contact, law[AT_B].g * h / 2);
   PetscReal weight[PLACES], value[FIELDS][PLACES];
   const Load *seen = part < 1 ? bare : load;
   Point cubic;

@@ -5,25 +5,24 @@
 #include <string.h>
 
 /* The place of a point, as it senses. */
-static void PlaceOf(const PetscReal x[2], const PetscReal q[2], TropismPlace *place) {
-  *place = (TropismPlace){.x = {x[0], x[1], 0}, .d2 = {-q[1], q[0], 0}, .d3 = {0, 0, 1}};
+static void PlaceOf(Vector2 x, Vector2 q, TropismPlace *place) {
+  *place = (TropismPlace){.x = {x.x, x.y}, .d2 = {-q.y, q.x}, .d3 = {0, 0, 1}};
 }
 
 /* x in the middle of a cell, of which a point that does not feel it knows none; k = bow h. */
-static void MidPlace(PetscReal k, const Point *a, const Point *b, PetscReal x[2]) {
-  for (int d = 0; d < 2; d++)
-    x[d] = (a->at.x[d] + b->at.x[d]) / 2 + k * (a->f[X1 + d] - b->f[X1 + d]);
+static Vector2 MidPlace(PetscReal k, const Point *a, const Point *b) {
+  return CurveMid2(k, From2(a->at.x), From2(a->f + X1), From2(b->at.x), From2(b->f + X1));
 }
 
 /* What a place senses, where p is, and its bends. */
-static void SeePoint(const Rod rod, PetscInt place, const PetscReal x[2], const Point *p,
+static void SeePoint(const Rod rod, PetscInt place, Vector2 x, const Point *p,
                      LearnedPoint *point) {
   const Law *law = &((const Frame *)rod->data)->law[place];
   const Tropism *tropism = &rod->scene->tropism;
   PetscReal pull[3] = {0};
   TropismPlace at;
 
-  PlaceOf(x, p->at.q, &at);
+  PlaceOf(x, From2(p->at.q), &at);
   if (LearnedSenses(rod, place)) TropismPull(tropism, at.x, pull, NULL);
   point->sensed[0] = TropismSensed(&at, 0, pull);
   point->natural[0] = law->k0;
@@ -31,17 +30,17 @@ static void SeePoint(const Rod rod, PetscInt place, const PetscReal x[2], const 
 }
 
 /* ... and how these change with x, theta and m there: d2 turns by -d1. */
-static void SeeSlope(const Rod rod, PetscInt place, const PetscReal x[2], const Point *p,
+static void SeeSlope(const Rod rod, PetscInt place, Vector2 x, const Point *p,
                      LearnedSlope *slope) {
-  const PetscReal *q = p->at.q;
+  const Vector2 q = From2(p->at.q);
   PetscReal pull[3], by_x[3][3];
 
-  memset(slope, 0, sizeof(*slope));
+  for (int f = 0; f < YIELD_FIELDS; f++) slope->sensed[0][f] = slope->elastic[0][f] = 0;
   slope->elastic[0][M] = ((const Frame *)rod->data)->law[place].flex;
   if (!LearnedSenses(rod, place)) return;
-  TropismPull(&rod->scene->tropism, (const PetscReal[3]){x[0], x[1], 0}, pull, by_x);
-  slope->sensed[0][TH] = -(pull[0] * q[0] + pull[1] * q[1]);
-  for (int d = 0; d < 2; d++) slope->sensed[0][X1 + d] = q[0] * by_x[1][d] - q[1] * by_x[0][d];
+  TropismPull(&rod->scene->tropism, (const PetscReal[3]){x.x, x.y}, pull, by_x);
+  slope->sensed[0][TH] = -Dot2(From2(pull), q);
+  for (int f = X1; f <= X2; f++) slope->sensed[0][f] = Cross2(q, Column2(by_x[0], 3, f));
 }
 
 /* FrameLearnedLaws - keeps what laws are at a time, before the state adds to them. */
@@ -80,16 +79,14 @@ void FrameLearnedResidual(Rod rod, PetscInt i, PetscReal h, const Point *p, cons
   const Frame *frame = (const Frame *)rod->data;
   const PetscInt place = 2 * (i - rod->first + 1);
   LearnedPoint point;
-  PetscReal x[2];
 
-  SeePoint(rod, place, p->at.x, p, &point);
+  SeePoint(rod, place, From2(p->at.x), p, &point);
   LearnedResidual(rod, place, &point);
   if (!mid) {
     if (rod->learned->at_tip) LearnedSignalResidual(rod, point.sensed);
     return;
   }
-  MidPlace(frame->bow * h, p, b, x);
-  SeePoint(rod, place + 1, x, mid, &point);
+  SeePoint(rod, place + 1, MidPlace(frame->bow * h, p, b), mid, &point);
   LearnedResidual(rod, place + 1, &point);
 }
 
@@ -99,15 +96,13 @@ static void MidByEnd(PetscReal k, const Law *law, const Point *p,
                      PetscReal by[LEARNED_MOST][LEARNED_MOST], PetscReal by_bend[LEARNED_MOST]) {
   const PetscReal kg = k * law->g, *q = p->at.q;
 
-  memset(by, 0, FIELDS * sizeof(*by));
-  memset(by_bend, 0, LEARNED_MOST * sizeof(*by_bend));
-  for (int d = 0; d < 2; d++) {
-    by[X1 + d][X1 + d] = 0.5;
-    by[X1 + d][TH] = kg * (d ? q[0] : -q[1]);
-  }
-  by[TH][TH] = 0.5;
+  for (int f = X1; f <= M; f++)
+    for (int u = 0; u < FIELDS; u++) by[f][u] = 0;
+  for (int f = 0; f < FIELDS; f++) by_bend[f] = 0;
+  for (int f = X1; f <= M; f++) by[f][f] = 0.5;
+  by[X1][TH] = -kg * q[1];
+  by[X2][TH] = kg * q[0];
   by[TH][M] = kg * law->flex;
-  by[M][M] = 0.5;
   by[M][TH] = kg * (q[0] * p->n[0] + q[1] * p->n[1]);
   by[M][N1] = kg * q[1];
   by[M][N2] = -kg * q[0];
@@ -130,14 +125,12 @@ void FrameLearnedSlopes(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
                         const Point *b, PetscBool at_a, PetscBool at_b, LearnedCell *cell) {
   const Frame *frame = (const Frame *)rod->data;
   const PetscInt place = 2 * (i - rod->first + 1);
-  PetscReal x[2];
 
-  MidPlace(frame->bow * h, a, b, x);
-  if (at_a) SeeSlope(rod, place, a->at.x, a, &cell->slope[0]);
-  SeeSlope(rod, place + 1, x, mid, &cell->slope[1]);
-  if (at_b) SeeSlope(rod, place + 2, b->at.x, b, &cell->slope[2]);
-  memset(cell->column[1], 0, sizeof(cell->column[1]));
-  cell->column[1][0][TH] = -h * frame->mid_weight * frame->law[place + 1].g;
+  if (at_a) SeeSlope(rod, place, From2(a->at.x), a, &cell->slope[AT_A]);
+  SeeSlope(rod, place + 1, MidPlace(frame->bow * h, a, b), mid, &cell->slope[AT_MID]);
+  if (at_b) SeeSlope(rod, place + 2, From2(b->at.x), b, &cell->slope[AT_B]);
+  for (int f = 0; f < YIELD_FIELDS; f++) cell->column[AT_MID][0][f] = 0;
+  cell->column[AT_MID][0][TH] = -h * frame->mid_weight * frame->law[place + 1].g;
 }
 
 /* FrameLearnedCell - a cell's part, from its equations by its nodes; the slopes at these where they
@@ -149,11 +142,11 @@ void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Po
   const Frame *frame = (const Frame *)rod->data;
   const PetscInt place = 2 * (i - rod->first + 1);
   const Law *law = frame->law + place;
-  const PetscReal k = frame->bow * h, wm = h * frame->mid_weight * law[1].g;
+  const PetscReal k = frame->bow * h, wm = h * frame->mid_weight * law[AT_MID].g;
 
   FrameLearnedSlopes(rod, i, h, a, mid, b, at_a, at_b, cell);
   MidByEnd(k, law, a, cell->by_node[0], cell->by_bend[0][0]);
-  MidByEnd(-k, law + 2, b, cell->by_node[1], cell->by_bend[1][0]);
-  ColumnOf(left, -1, -wm * law[1].flex / 2, law[0].flex, cell->column[0][0]);
-  ColumnOf(right, 1, -wm * law[1].flex / 2, law[2].flex, cell->column[2][0]);
+  MidByEnd(-k, law + AT_B, b, cell->by_node[1], cell->by_bend[1][0]);
+  ColumnOf(left, -1, -wm * law[AT_MID].flex / 2, law[AT_A].flex, cell->column[AT_A][0]);
+  ColumnOf(right, 1, -wm * law[AT_MID].flex / 2, law[AT_B].flex, cell->column[AT_B][0]);
 }

@@ -13,15 +13,15 @@
 enum { V = 0, L = 1, OF_V = FIELDS, OF_L, ALL }; /* in arrays of both, and behind the others */
 
 /* y where the force along the rod is so, and its slope by that. */
-static PetscReal Yields(const Rod rod, const PetscReal q[], const PetscReal n[], PetscReal *slope) {
-  const PetscReal limit = rod->scene->growth->yield, y = 1 + (q[0] * n[0] + q[1] * n[1]) / limit;
+static PetscReal Yields(const Rod rod, Vector2 q, const PetscReal n[], PetscReal *slope) {
+  const PetscReal limit = rod->scene->growth->yield, y = 1 + Dot2(q, From2(n)) / limit;
 
   if (slope) *slope = y > 0 ? 1 / limit : 0;
   return PetscMax(0, y);
 }
 
 /* V' at a label. */
-static PetscReal SlopeOfV(const Rod rod, PetscReal s, PetscReal length, const PetscReal q[],
+static PetscReal SlopeOfV(const Rod rod, PetscReal s, PetscReal length, Vector2 q,
                           const PetscReal n[]) {
   PetscReal by_length;
   return GrowthYieldWeight(rod->scene->growth, s, length, &by_length) * Yields(rod, q, n, NULL);
@@ -39,10 +39,9 @@ PetscErrorCode FrameYieldSee(Rod rod, PetscReal t, Vec U) {
   PetscCall(PetscMalloc3(VALUES * n, &all, n, &speed, n, &slope));
   PetscCall(VecGetArrayRead(U, (const PetscScalar **)&v));
   for (PetscInt i = rod->first; i < rod->end; i++) {
-    const PetscReal *u = v + (i - rod->first) * fields,
-                    q[2] = {PetscCosReal(u[TH]), PetscSinReal(u[TH])};
+    const PetscReal *u = v + (i - rod->first) * fields;
     all[VALUES * i] = u[OF_V];
-    all[VALUES * i + 1] = SlopeOfV(rod, s[i], u[OF_L], q, u + N1);
+    all[VALUES * i + 1] = SlopeOfV(rod, s[i], u[OF_L], Direction2(u[TH]), u + N1);
     all[VALUES * i + 2] = u[OF_L];
   }
   PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&v));
@@ -68,12 +67,12 @@ void FrameYieldLaws(Rod rod) {
   for (PetscInt i = from; i <= to; i++, before = slope) {
     const PetscInt at = i - rod->first + 1;
     const PetscReal *u = learned->u + at * FIELDS, *w = learned->w + at * 2,
-                    *w_t = learned->w_t + at * 2, q[2] = {PetscCosReal(u[TH]), PetscSinReal(u[TH])};
+                    *w_t = learned->w_t + at * 2;
     Law *law = &frame->law[2 * at];
     law->g = w[L];
     law->g_t = w_t[L];
     law->c = i == rod->last ? 0 : w[V] - law->s * w_t[L]; /* (the tip is its material) */
-    slope = SlopeOfV(rod, law->s, w[L], q, u + N1);
+    slope = SlopeOfV(rod, law->s, w[L], Direction2(u[TH]), u + N1);
     if (!by_rate) learned->clock[2 * at] = slope / law->g;
     if (i == from) continue;
     law[-1].g = (law[-2].g + law->g) / 2;
@@ -96,10 +95,12 @@ void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
   const PetscReal *w = learned->w + at * 2;
   PetscReal *row = learned->w_row + at * 2;
 
-  row[2 + V] = w[2 + V] - w[V] -
-               h * (frame->end_weight * (SlopeOfV(rod, law[0].s, law[0].g, a->at.q, a->n) +
-                                         SlopeOfV(rod, law[2].s, law[2].g, b->at.q, b->n)) +
-                    frame->mid_weight * SlopeOfV(rod, law[1].s, law[1].g, mid->at.q, mid->n));
+  row[2 + V] =
+      w[2 + V] - w[V] -
+      h * (frame->end_weight * (SlopeOfV(rod, law[AT_A].s, law[AT_A].g, From2(a->at.q), a->n) +
+                                SlopeOfV(rod, law[AT_B].s, law[AT_B].g, From2(b->at.q), b->n)) +
+           frame->mid_weight *
+               SlopeOfV(rod, law[AT_MID].s, law[AT_MID].g, From2(mid->at.q), mid->n));
   row[L] = w[2 + L] - w[L];
 }
 
@@ -111,20 +112,21 @@ void FrameYieldEnds(Rod rod, PetscInt i, const Point *p) {
 
   if (i == 0)
     learned->w_row[at * 2 + V] =
-        w[V] - GrowthYieldInflow(rod->scene->growth) * Yields(rod, p->at.q, p->n, NULL);
+        w[V] - GrowthYieldInflow(rod->scene->growth) * Yields(rod, From2(p->at.q), p->n, NULL);
   if (i == rod->last) learned->w_row[at * 2 + L] = learned->w_t[at * 2 + L] - w[V];
 }
 
 /* FrameYieldBegin - the equation of V at the clamp by its node. */
 void FrameYieldBegin(Rod rod, const Point *p, PetscReal by[ALL]) {
+  const Vector2 q = From2(p->at.q);
   PetscReal slope;
 
   memset(by, 0, ALL * sizeof(*by));
   by[OF_V] = 1;
-  (void)Yields(rod, p->at.q, p->n, &slope);
+  (void)Yields(rod, q, p->n, &slope);
   slope *= GrowthYieldInflow(rod->scene->growth);
-  by[TH] = -slope * (p->at.q[0] * p->n[1] - p->at.q[1] * p->n[0]);
-  for (int d = 0; d < 2; d++) by[N1 + d] = -slope * p->at.q[d];
+  by[TH] = -slope * Cross2(q, From2(p->n));
+  Put2(Times2(-slope, q), by + N1);
 }
 
 /* FrameYieldEnd - the last equation of the tip, L_t = V. */
@@ -136,30 +138,31 @@ void FrameYieldEnd(const PetscReal shift[], PetscReal by[ALL]) {
 
 /* How a point changes: its place, angle, moment and force, natural bend, velocity, and g. */
 typedef struct {
-  PetscReal x[2], theta, m, n[2], bend, v[2], g;
+  PetscReal theta, m, bend, g;
+  Vector2 x, n, v;
 } Change;
 
 /* What that changes the slopes by, of all but L. */
 static void Vary(const Rod rod, const Law *law, const Point *p, const LoadSlope *slope,
                  const Change *d, PetscReal df[OF_L]) {
   const Load *load = &rod->scene->load;
-  const PetscReal *q = p->at.q, g = law->g, dq[2] = {-q[1] * d->theta, q[0] * d->theta};
+  const Vector2 q = From2(p->at.q), n = From2(p->n), dq = Times2(d->theta, Left2(q));
+  const PetscReal g = law->g;
   PetscReal by_length, by_force;
   const PetscReal w = GrowthYieldWeight(rod->scene->growth, law->s, g, &by_length),
                   y = Yields(rod, q, p->n, &by_force);
 
-  for (int k = 0; k < 2; k++) {
-    df[X1 + k] = d->g * q[k] + g * dq[k];
-    df[N1 + k] =
-        d->g / g * p->f[N1 + k] + g * (slope->W[k][0] * d->v[0] + slope->W[k][1] * d->v[1]);
-    if (load->turns) df[N1 + k] += g * slope->theta[k] * d->theta;
-    for (int j = 0; j < 2 && load->moves; j++) df[N1 + k] += g * slope->x[k][j] * d->x[j];
+  Put2(Along2(Times2(d->g, q), g, dq), df + X1);
+  for (int k = X1; k <= X2; k++) {
+    PetscReal *to = &df[N1 + k];
+    *to = d->g / g * p->f[N1 + k] + g * Dot2(From2(slope->W[k]), d->v);
+    if (load->turns) *to += g * slope->theta[k] * d->theta;
+    if (load->moves) *to = *to + g * slope->x[k][X1] * d->x.x + g * slope->x[k][X2] * d->x.y;
   }
   df[TH] = d->g / g * p->f[TH] + g * (law->flex * d->m + d->bend);
-  df[M] = d->g / g * p->f[M] -
-          g * (dq[0] * p->n[1] - dq[1] * p->n[0] + q[0] * d->n[1] - q[1] * d->n[0]);
-  df[OF_V] = by_length * d->g * y +
-             w * by_force * (dq[0] * p->n[0] + dq[1] * p->n[1] + q[0] * d->n[0] + q[1] * d->n[1]);
+  df[M] = d->g / g * p->f[M] - g * (dq.x * n.y - dq.y * n.x + q.x * d->n.y - q.y * d->n.x);
+  df[OF_V] =
+      by_length * d->g * y + w * by_force * (dq.x * n.x + dq.y * n.y + q.x * d->n.x + q.y * d->n.y);
 }
 
 /* The changes by one unknown of a node, or (ALL) the natural bend there: there, in the middle of
@@ -170,10 +173,12 @@ typedef struct {
 } Column;
 
 static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unknown, Column *of) {
-  const Law *law = cell->law + 2 * e, *mid_law = cell->law + 1;
-  const Point *p = cell->at[2 * e], *mid = cell->at[1];
-  const PetscReal *q = p->at.q, *shift = cell->shift[e], k = e ? -cell->bow : cell->bow;
-  PetscReal x_t[2], turn, rate, slide, w[2], mid_slide;
+  const Law *law = cell->law + 2 * e, *mid_law = cell->law + AT_MID;
+  const Point *p = cell->at[2 * e], *mid = cell->at[AT_MID];
+  const Vector2 q = From2(p->at.q), perp = Left2(q), q_mid = From2(mid->at.q);
+  const PetscReal *shift = cell->shift[e], k = e ? -cell->bow : cell->bow;
+  PetscReal turn, rate, slide, mid_slide;
+  Vector2 dq, x_t, w;
   Change *d = &of->node, *m = &of->mid;
 
   memset(of, 0, sizeof(*of));
@@ -185,27 +190,23 @@ static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unkno
   d->m = of->own[M];
   d->g = of->own[OF_L];
   d->bend = of->own[ALL];
-  for (int j = 0; j < 2; j++) {
-    const PetscReal perp = j ? q[0] : -q[1], dq = perp * d->theta;
-    x_t[j] = shift[X1 + j] * of->own[X1 + j];
-    d->x[j] = of->own[X1 + j];
-    d->n[j] = of->own[N1 + j];
-    d->v[j] = x_t[j] + slide * q[j] + law->c * dq;
-    w[j] = rate * q[j] + law->g_t * dq + (d->g * cell->turn[e] + law->g * turn) * perp -
-           law->g * cell->turn[e] * q[j] * d->theta;
-  }
+  dq = Times2(d->theta, perp);
+  x_t = (Vector2){shift[X1] * of->own[X1], shift[X2] * of->own[X2]};
+  d->x = From2(of->own + X1);
+  d->n = From2(of->own + N1);
+  d->v = Along2(Along2(x_t, slide, q), law->c, dq);
+  w = Along2(Along2(Times2(rate, q), law->g_t, dq), d->g * cell->turn[e] + law->g * turn, perp);
+  w = Along2(w, -law->g * cell->turn[e] * d->theta, q);
   Vary(rod, law, p, cell->slope[2 * e], d, of->at_node);
   m->theta = CurveMidOf(k, d->theta, of->at_node[TH]);
   m->m = CurveMidOf(k, d->m, of->at_node[M]);
   m->g = d->g / 2;
   mid_slide = CurveMidOf(k, of->own[OF_V], of->at_node[OF_V]) - mid_law->s * rate / 2;
-  for (int j = 0; j < 2; j++) {
-    m->x[j] = CurveMidOf(k, d->x[j], of->at_node[X1 + j]);
-    m->n[j] = CurveMidOf(k, d->n[j], of->at_node[N1 + j]);
-    m->v[j] = CurveMidOf(k, x_t[j], w[j]) + mid_slide * mid->at.q[j] +
-              mid_law->c * (j ? mid->at.q[0] : -mid->at.q[1]) * m->theta;
-  }
-  Vary(rod, mid_law, mid, cell->slope[1], m, of->at_mid);
+  m->x = CurveMidOf2(k, d->x, From2(of->at_node + X1));
+  m->n = CurveMidOf2(k, d->n, From2(of->at_node + N1));
+  m->v = Along2(Along2(CurveMidOf2(k, x_t, w), mid_slide, q_mid), m->theta,
+                Times2(mid_law->c, Left2(q_mid)));
+  Vary(rod, mid_law, mid, cell->slope[AT_MID], m, of->at_mid);
 }
 
 /* How the clocks of a cell's places go with an unknown: that of the node, e = w y/g, and that of
@@ -213,8 +214,8 @@ static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unkno
 static void Clocks(const Rod rod, const YieldCell *cell, int e, int unknown, const Column *of,
                    PetscReal clock[3][2][LEARNED_MOST]) {
   const Learned learned = rod->learned;
-  const PetscReal *a = learned->clock + cell->place, g = cell->law[2 * e].g, g_mid = cell->law[1].g,
-                  sign = e ? 1 : -1;
+  const PetscReal *a = learned->clock + cell->place, g = cell->law[2 * e].g,
+                  g_mid = cell->law[AT_MID].g, sign = e ? 1 : -1;
 
   if (rod->scene->tropism.by_rate) return;
   clock[2 * e][e][unknown] = (of->at_node[OF_V] - a[2 * e] * of->node.g) / g;
@@ -242,7 +243,7 @@ void FrameYieldCell(Rod rod, const YieldCell *cell, PetscReal left[ALL][ALL],
           equations[r] -=
               cell->h * (frame->end_weight * of.at_node[r] + frame->mid_weight * of.at_mid[r]);
       }
-      for (int j = 0; j < 2; j++) middle[X1 + j] = of.mid.x[j];
+      Put2(of.mid.x, middle + X1);
       middle[TH] = of.mid.theta;
       middle[M] = of.mid.m;
       if (c == ALL) {

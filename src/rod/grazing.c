@@ -24,20 +24,19 @@ static PetscBool WallsMove(const Contact *contact) {
 
 /* Where an owned node is: the first fields of a rod that can touch. */
 static void PlaceOf(Rod rod, const PetscScalar *u, PetscInt k, PetscReal x[3]) {
-  x[2] = 0;
-  for (int d = 0; d < (rod->model->space ? 3 : 2); d++)
-    x[d] = PetscRealPart(u[k * rod->model->fields + d]);
+  for (int d = 0; d < 3; d++)
+    x[d] = d < RodDims(rod->model) ? PetscRealPart(u[k * rod->model->fields + d]) : 0;
 }
 
 /* The gap of a place to the nearest wall, if it is below `within`; else that. */
 static PetscReal GapOf(Rod rod, const PetscReal x[3], PetscReal within) {
-  return ContactGap(rod->model->space ? 3 : 2, &rod->scene->contact, x, within);
+  return ContactGap(RodDims(rod->model), &rod->scene->contact, x, within);
 }
 
 /* Which walls a node is in touch with; returns how many. */
 static PetscInt DentsOf(Rod rod, const PetscReal x[3], Dent dent[MOST_DENTS]) {
   Touch touch[MOST_TOUCHES];
-  PetscInt n = ContactTouches(rod->model->space ? 3 : 2, &rod->scene->contact, x, touch);
+  PetscInt n = ContactTouches(RodDims(rod->model), &rod->scene->contact, x, touch);
 
   for (PetscInt k = 0; k < n; k++) dent[k] = (Dent){touch[k].wall, -touch[k].gap};
   return n;

@@ -7,7 +7,7 @@ static void FindDrive(Rod rod) {
   PetscReal pull[3] = {0};
 
   if (law->senses) TropismPull(law, clamp, pull, NULL);
-  for (int d = 0; d < 2; d++)
+  for (int d = 0; d < MIRRORS; d++)
     rod->learned->drive[d] =
         rod->scene->reach * (PetscAbsReal(pull[1 + d]) + PetscAbsReal(law->nutation[d]));
 }
@@ -29,6 +29,7 @@ PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt be
   self->per = (rod->model->fields - mech) / 2;
   self->remembers = (PetscBool)(self->per > bends);
   self->at_tip = law->at_tip;
+  self->kind = LearnedKindOf(rod);
   FindDrive(rod);
   PetscCall(PetscCalloc4(nodes * mech, &self->u, nodes * mech, &self->u_t, places * self->per,
                          &self->k, places * self->per, &self->k_t));

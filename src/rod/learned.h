@@ -5,9 +5,10 @@
 #ifndef TENDRIL_LEARNED_H
 #define TENDRIL_LEARNED_H
 
+#include "curve/cell.h"
 #include "rod/rod.h"
 
-enum { LEARNED_MOST = 13, LEARNED_STENCIL = 6 }; /* unknowns of the mechanics of a node, at most */
+enum { LEARNED_MOST = 15, LEARNED_STENCIL = 6 }; /* unknowns of the mechanics of a node, at most */
 
 /* By the unknowns of a point: what is sensed there, and its elastic bends. */
 typedef struct {
@@ -47,7 +48,11 @@ typedef struct {
   LearnedRow at_mid;
 } LearnedFactor;
 
+/* How the states of a model are condensed: learned_solve.c. */
+typedef const struct LearnedKind_ *LearnedKind;
+
 typedef struct Learned_ {
+  LearnedKind kind;
   PetscInt mech, bends, per; /* unknowns of the mechanics, bends, states of a place */
   PetscInt lead;  /* of the mechanics, those that a rod has which feels no force when it grows; */
   PetscInt extra; /* ... and the two beside them that one has which does: V and L, the last */
@@ -59,8 +64,8 @@ typedef struct Learned_ {
   PetscReal *k, *k_t;         /* states; places as of laws: 2 (i - first + 1) + half */
   PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
   PetscReal nutation[TROPISM_BENDS]; /* at the time of the state */
-  PetscBool born;     /* node 0 is here, and material comes in there: it has learned nothing */
-  PetscReal drive[2]; /* how much it bends a straight rod towards x2, x3 */
+  PetscBool born; /* node 0 is here, and material comes in there: it has learned nothing */
+  PetscReal drive[MIRRORS]; /* how much it bends a straight rod towards x2, x3 */
   PetscReal *given, *clock; /* of places: natural bends that are given, a */
   PetscReal *drives;        /* Dk/Dt/a */
   PetscReal *row;           /* residual of owned nodes: mechanics; behind it those of states */
@@ -85,7 +90,8 @@ PetscErrorCode LearnedFill(Rod rod, void *array);
 PetscErrorCode LearnedFilled(Rod rod, Vec F);
 void LearnedResidual(Rod rod, PetscInt place, const LearnedPoint *point);
 void LearnedSignalResidual(Rod rod, const PetscReal sensed[]);
-void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal shift[]);
+void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal *clock,
+                      const PetscReal shift[]);
 void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
                      PetscReal *left, PetscReal *right);
 void LearnedSignalSlope(Rod rod, const LearnedSlope *slope, const PetscReal shift[]);

@@ -269,7 +269,7 @@ static PetscErrorCode Sweeps(Rod rod, PetscReal t0, const Cells *cells, PetscBoo
    Collective. */
 PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]) {
   const PetscReal *s = rod->scene->mesh.s;
-  const int dims = rod->model->space ? 3 : 2;
+  const int dims = RodDims(rod->model);
   const Node *with;
   Vec local;
 

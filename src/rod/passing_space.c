@@ -2,6 +2,7 @@
    until each part is off the walls: a distance changes by no more than the way, so that a part
    within r of a point that is farther than that from a wall is clear of it. */
 #include "base/bezier.h"
+#include "base/vectors.h"
 #include "rod/passing.h"
 #include "rod/rules.h"
 
@@ -28,7 +29,9 @@ static void CurveOf(const FootCell *cell, Bezier b) {
 }
 
 static PetscReal Apart(const PetscReal a[3], const PetscReal b[3]) {
-  return PetscSqrtReal(PetscSqr(a[0] - b[0]) + PetscSqr(a[1] - b[1]) + PetscSqr(a[2] - b[2]));
+  PetscReal way[3];
+  Minus3(a, b, way);
+  return Size3(way);
 }
 
 /* Is a place behind a wall of the plane, how deep it may be? */
@@ -158,9 +161,7 @@ static void Carry(const Contact *contact, PetscInt which, PetscReal from, Bezier
     ContactToLab(contact, b[k], y);
     SurfacesCarry(&contact->surfaces, which, from, y, z);
     for (int d = 0; d < 3; d++) z[d] -= contact->place[d];
-    for (int d = 0; d < 3; d++)
-      carried[k][d] =
-          contact->lab[0][d] * z[0] + contact->lab[1][d] * z[1] + contact->lab[2][d] * z[2];
+    TurnBack3(contact->lab, z, carried[k]);
   }
 }
 

@@ -259,10 +259,10 @@ static PetscErrorCode InitialMoment(Scene scene, PetscReal s, PetscReal t, Petsc
 
 /* Its force across, of which m' = -g q x n: n = (n.q) q - m'/g q_perp. */
 static PetscErrorCode InitialShear(Scene scene, PetscReal s, PetscReal t, Node *node) {
-  const PetscReal q[2] = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
+  const Vector2 q = Direction2(node->theta);
   const PetscReal middle = PetscMax(rod_rule.slope_step, PetscMin(1 - rod_rule.slope_step, s));
   const PetscReal at[3] = {middle - rod_rule.slope_step, middle, middle + rod_rule.slope_step};
-  PetscReal g, m, D[3], slope = 0, along, across;
+  PetscReal g, m, D[3], slope = 0;
 
   PetscFunctionBegin;
   LagrangeSlopes(3, at, s, D);
@@ -271,10 +271,7 @@ static PetscErrorCode InitialShear(Scene scene, PetscReal s, PetscReal t, Node *
     slope += D[k] * m;
   }
   PetscCall(GrowthStretch(scene->growth, 1, &s, t, &g, NULL, NULL));
-  along = node->force[0];
-  across = -slope / g;
-  node->force[0] = along * q[0] - across * q[1];
-  node->force[1] = along * q[1] + across * q[0];
+  Put2(Along2(Times2(node->force[0], q), -slope / g, Left2(q)), node->force);
   PetscFunctionReturn(0);
 }
 
@@ -343,6 +340,7 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   for (int d = 0; d < 3; d++) dx[d] = all + d * n;
   for (PetscInt i = PetscMax(rod->first, 1); i < rod->end; i++) {
     PetscReal p[2][2];
+    if (s[i] == s[i - 1]) continue;
     PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t0, p[0], NULL));
     PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t1, p[1], NULL));
     for (int d = 0; d < 2; d++)
@@ -355,7 +353,7 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   PetscCall(DMDAVecRestoreArrayRead(da, ghosted, &with));
   PetscCall(DMRestoreLocalVector(da, &ghosted));
   PetscCall(DMRestoreGlobalVector(da, &owned));
-  for (int d = 0; d < (rod->model->space ? 3 : 2); d++) PetscCall(RodSumAlong(rod, n, dx[d]));
+  for (int d = 0; d < RodDims(rod->model); d++) PetscCall(RodSumAlong(rod, n, dx[d]));
   for (PetscInt k = 0; k < n; k++) {
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t0, &g[0], NULL, NULL));
     PetscCall(GrowthStretch(rod->scene->growth, 1, &s[rod->first + k], t1, &g[1], NULL, NULL));
@@ -392,8 +390,7 @@ void RodPlanePart(Node *node) {
 
   Directors(node->p, size, d);
   node->theta = atan2(PetscSqrtReal(PetscSqr(d[0][1]) + PetscSqr(d[0][2])), d[0][0]);
-  node->moment =
-      PetscSqrtReal(PetscSqr(node->m3[0]) + PetscSqr(node->m3[1]) + PetscSqr(node->m3[2]));
+  node->moment = Size3(node->m3);
   for (int k = 0; k < 2; k++) {
     node->x[k] = node->x3[k];
     node->force[k] = node->n3[k];
@@ -410,7 +407,8 @@ PetscErrorCode RodHoldTip(Rod rod) {
   Vec U;
 
   PetscFunctionBegin;
-  if (rod->scene->tip.type == TIP_FREE) PetscFunctionReturn(0);
+  if (rod->scene->tip.type == TIP_FREE || rod->scene->tip.type == TIP_CARRIED)
+    PetscFunctionReturn(0);
   PetscCall(PetscMalloc1(n, &nodes));
   PetscCall(DMGetGlobalVector(rod->da, &U));
   PetscCall(RodBegin(rod, U));

@@ -5,6 +5,7 @@
 #define TENDRIL_ROD_H
 
 #include "base/elimination.h"
+#include "base/plane.h"
 #include "scene/scene.h"
 #include "straight/straight.h"
 #include <petscdmda.h>
@@ -145,6 +146,13 @@ typedef struct {
   PetscErrorCode (*bears)(Rod, const RodState *, RodForces *);
 } RodModel;
 
+/* What strands do to one of several rods, at its points (rod/strands.h), and room for what its
+   cells have to say of that (rod/strand_rows.h); NULL: nothing. Borrowed. */
+typedef struct {
+  const PetscReal (*force)[3], (*couple)[3];
+  struct StrandCell_ *cells;
+} RodPushed;
+
 struct _Rod {
   const RodModel *model;
   Scene scene;
@@ -155,25 +163,33 @@ struct _Rod {
   const PetscInt
       *at; /* where the nodes of each begin among all, and where they end; NULL: of one */
   Rod itself;
-  DM da;                /* the unknowns: 1D DMDA over the nodes */
-  DM nodes;             /* Node at each node, stencil 1 */
-  PetscInt first, end;  /* owned nodes: first .. end - 1 */
-  PetscInt last;        /* the tip, N */
-  PetscInt order;       /* of the error in space */
-  PetscBool alone;      /* on one rank */
-  PetscBool coupled;    /* nodes far from each other along the rod see each other */
-  PetscInt memory;      /* reals a node that its Newton's method remembers; 0: none */
-  PetscReal oblique[2]; /* how much so walls are that press: RodFeelWalls() */
+  DM da;               /* the unknowns: 1D DMDA over the nodes */
+  DM nodes;            /* Node at each node, stencil 1 */
+  PetscInt first, end; /* owned nodes: first .. end - 1 */
+  PetscInt last;       /* the tip, N */
+  PetscInt order;      /* of the error in space */
+  PetscBool alone;     /* on one rank */
+  PetscBool coupled;   /* nodes far from each other along the rod see each other */
+  RodPushed pushed;    /* by strands that are looked for among several rods */
+  PetscInt memory;     /* reals a node that its Newton's method remembers; 0: none */
+  Vector2 oblique;     /* how much so walls are that press: RodFeelWalls() */
   struct {
     PetscReal t;
-    PetscBool whole;        /* all of the sum, and not only what is left, */
-    RodForces sum;          /* of this rank's part */
-  } kept[2];                /* of the latest two states, the latest first: see RodKeepLeft() */
-  PetscReal finest;         /* what is told apart of a vector across that walls have part in, for
-                               RodFieldScales(): of the order of round-off over a step's tolerance */
+    PetscBool whole; /* all of the sum, and not only what is left, */
+    RodForces sum;   /* of this rank's part */
+  } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
+  PetscReal finest;  /* what is told apart of a vector across that walls have part in, for
+                        RodFieldScales(): of the order of round-off over a step's tolerance */
+  PetscReal least;   /* of several that hold each other: changes of places are measured against so
+                        much at least, the same part of a turn; 0: of one that feels none */
   struct Learned_ *learned; /* natural curvature of its own (rod/learned.h); NULL: none */
   void *data;
 };
+
+/* How many components a place has. */
+static inline int RodDims(const RodModel *model) {
+  return model->space ? 3 : 2;
+}
 
 extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_space;
 /* the same, whose material learns its natural curvature; that also remembers what it senses */
@@ -210,14 +226,14 @@ static inline void RodForget(RodSeen *seen) {
 PetscErrorCode RodRecognise(const RodState *at, RodSeen *seen, PetscBool *known);
 PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]);
 PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]);
-PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]);
-PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V);
-PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]);
+PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], Vector2 *axis);
+PetscErrorCode RodTurn(Rod rod, Vector2 axis, Vec V);
+PetscErrorCode RodSizesAlong(Rod rod, Vec U, Vector2 axis, PetscReal size[MAX_FIELDS]);
 PetscErrorCode RodBlurred(Rod rod, Vec U, PetscReal place[MIRRORS]);
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U);
 PetscErrorCode RodKeepLeft(Rod rod, PetscReal t, Vec F);
 void RodKeepBorne(Rod rod, const RodForces *sum);
 PetscBool RodForcesAt(Rod rod, PetscReal t, RodForces *sum);
-PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]);
+PetscErrorCode RodFieldScales(Rod rod, Vec U, Vector2 *axis, PetscReal scale[MAX_FIELDS]);
 
 #endif

@@ -26,9 +26,11 @@ PetscErrorCode RodFieldSizes(Rod rod, Vec U, PetscReal size[MAX_FIELDS]) {
   last of 250 orders of magnitude between them. All pairs of fields across are taken along these.
 */
 
-/* RodAxes - cosine and sine of the angle, at most 45 degrees, from the axes of the coordinates
-   across to those along which a state is measured; (1, 0) for a rod in the plane. Collective. */
-PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscReal axes[2]) {
+static const Vector2 coordinate = {1, 0};
+
+/* RodAxes - the first of the axes across along which a state is measured, at most 45 degrees from
+   that of the coordinates; (1, 0) for a rod in the plane. Collective. */
+PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], Vector2 *axis) {
   const RodModel *model = rod->model;
   const Pair *x = model->pair;
   PetscInt fields = model->fields, n = (rod->end - rod->first) * fields;
@@ -36,8 +38,7 @@ PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscRe
   const PetscScalar *u;
 
   PetscFunctionBegin;
-  axes[0] = 1;
-  axes[1] = 0;
+  *axis = coordinate;
   if (!model->pairs) PetscFunctionReturn(0);
   most = PetscMax(size[x->along], size[x->beside]);
   least = PetscMin(size[x->along], size[x->beside]);
@@ -57,56 +58,52 @@ PetscErrorCode RodAxes(Rod rod, Vec U, const PetscReal size[MAX_FIELDS], PetscRe
   sum[size[x->along] < size[x->beside] ? 0 : 2] *= ratio * ratio;
   if (sum[1] == 0) PetscFunctionReturn(0);
   angle = sum[0] == sum[2] ? PETSC_PI / 4 : atan(2 * sum[1] / (sum[0] - sum[2])) / 2;
-  axes[0] = PetscCosReal(angle);
-  axes[1] = PetscSinReal(angle);
+  *axis = (Vector2){PetscCosReal(angle), PetscSinReal(angle)};
   PetscFunctionReturn(0);
 }
 
 /* The values of a pair at a node along the axes. */
-static inline void Along(const Pair *pair, const PetscReal axes[2], const PetscScalar *u,
-                         PetscReal value[2]) {
-  const PetscReal a = u[pair->along], b = pair->sign * u[pair->beside];
+static inline Vector2 Along(const Pair *pair, Vector2 axis, const PetscScalar *u) {
+  const Vector2 across = {u[pair->along], pair->sign * u[pair->beside]};
 
-  value[0] = axes[0] * a + axes[1] * b;
-  value[1] = axes[0] * b - axes[1] * a;
+  return (Vector2){Dot2(axis, across), Cross2(axis, across)};
 }
 
 /* RodTurn - turns a vector into the axes: the fields of each pair become its values along them. */
-PetscErrorCode RodTurn(Rod rod, const PetscReal axes[2], Vec V) {
+PetscErrorCode RodTurn(Rod rod, Vector2 axis, Vec V) {
   const RodModel *model = rod->model;
   PetscInt fields = model->fields, n = (rod->end - rod->first) * fields;
   PetscScalar *v;
-  PetscReal value[2];
 
   PetscFunctionBegin;
-  if (axes[1] == 0) PetscFunctionReturn(0);
+  if (axis.y == 0) PetscFunctionReturn(0);
   PetscCall(VecGetArray(V, &v));
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt k = 0; k < model->pairs; k++) {
-      Along(&model->pair[k], axes, v + i, value);
-      v[i + model->pair[k].along] = value[0];
-      v[i + model->pair[k].beside] = value[1];
+      const Vector2 value = Along(&model->pair[k], axis, v + i);
+      v[i + model->pair[k].along] = value.x;
+      v[i + model->pair[k].beside] = value.y;
     }
   PetscCall(VecRestoreArray(V, &v));
   PetscFunctionReturn(0);
 }
 
 /* RodSizesAlong - as RodFieldSizes(), of the pairs across along axes. Collective. */
-PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal size[MAX_FIELDS]) {
+PetscErrorCode RodSizesAlong(Rod rod, Vec U, Vector2 axis, PetscReal size[MAX_FIELDS]) {
   const RodModel *model = rod->model;
   PetscInt fields = model->fields, n = (rod->end - rod->first) * fields;
-  PetscReal most[MAX_FIELDS] = {0}, value[2];
+  PetscReal most[MAX_FIELDS] = {0};
   const PetscScalar *u;
 
   PetscFunctionBegin;
   PetscCall(RodFieldSizes(rod, U, size));
-  if (axes[1] == 0) PetscFunctionReturn(0);
+  if (axis.y == 0) PetscFunctionReturn(0);
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt i = 0; i < n; i += fields)
     for (PetscInt k = 0; k < model->pairs; k++) {
-      Along(&model->pair[k], axes, u + i, value);
-      for (int j = 0; j < 2; j++)
-        most[2 * k + j] = LargerSize(most[2 * k + j], PetscAbsReal(value[j]));
+      const Vector2 value = Along(&model->pair[k], axis, u + i);
+      most[2 * k] = LargerSize(most[2 * k], PetscAbsReal(value.x));
+      most[2 * k + 1] = LargerSize(most[2 * k + 1], PetscAbsReal(value.y));
     }
   PetscCall(VecRestoreArrayRead(U, &u));
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, most, (PetscMPIInt)(2 * model->pairs), MPIU_REAL,
@@ -119,9 +116,9 @@ PetscErrorCode RodSizesAlong(Rod rod, Vec U, const PetscReal axes[2], PetscReal 
 }
 
 /* The sizes along the axes, none below what the coordinates, of these sizes, leave there. */
-static void LeaveRoundOff(const RodModel *model, const PetscReal axes[2], const PetscReal of[],
+static void LeaveRoundOff(const RodModel *model, Vector2 axis, const PetscReal of[],
                           PetscReal size[]) {
-  const PetscReal c = PetscAbsReal(axes[0]), s = PetscAbsReal(axes[1]);
+  const PetscReal c = PetscAbsReal(axis.x), s = PetscAbsReal(axis.y);
 
   for (PetscInt k = 0; k < model->pairs && s > 0; k++) {
     const PetscInt a = model->pair[k].along, b = model->pair[k].beside;
@@ -131,22 +128,22 @@ static void LeaveRoundOff(const RodModel *model, const PetscReal axes[2], const 
 }
 
 /* The larger of two vectors across, by their larger component. */
-static void Larger(PetscReal n2, PetscReal n3, PetscReal most[2]) {
-  if (!(PetscMax(PetscAbsReal(n2), PetscAbsReal(n3)) >
-        PetscMax(PetscAbsReal(most[0]), PetscAbsReal(most[1]))))
-    return;
-  most[0] = n2;
-  most[1] = n3;
+static Vector2 Larger(Vector2 n, Vector2 most) {
+  const PetscReal of_n = PetscMax(PetscAbsReal(n.x), PetscAbsReal(n.y)),
+                  so_far = PetscMax(PetscAbsReal(most.x), PetscAbsReal(most.y));
+
+  return of_n > so_far ? n : most;
 }
 
 /* The walls that press on a node: the part of their normals that is across. */
-static void PressedAcross(const Rod rod, const Node *node, PetscReal most[2]) {
+static Vector2 PressedAcross(const Rod rod, const Node *node, Vector2 most) {
   const PetscBool space = rod->model->space;
   Touch touch[MOST_TOUCHES];
   PetscInt n =
       ContactTouches(space ? 3 : 2, &rod->scene->contact, space ? node->x3 : node->x, touch);
 
-  for (PetscInt k = 0; k < n; k++) Larger(touch[k].normal[1], touch[k].normal[2], most);
+  for (PetscInt k = 0; k < n; k++) most = Larger(From2(touch[k].normal + 1), most);
+  return most;
 }
 
 /*
@@ -157,7 +154,8 @@ static void PressedAcross(const Rod rod, const Node *node, PetscReal most[2]) {
   of what is across already. Sets it for RodFieldScales(). Collective.
 */
 PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U) {
-  PetscReal most[2] = {0, 0}, of_all[2][2];
+  PetscReal of_all[4];
+  Vector2 most = {0, 0};
   PetscInt n = rod->end - rod->first;
   Node *nodes;
 
@@ -166,15 +164,13 @@ PetscErrorCode RodFeelWalls(Rod rod, PetscReal t, Vec U) {
   PetscCall(SceneContactAt(rod->scene, t));
   PetscCall(PetscMalloc1(n, &nodes));
   PetscCall(rod->model->get(rod, t, U, NULL, nodes));
-  for (PetscInt i = 0; i < n; i++) PressedAcross(rod, &nodes[i], most);
+  for (PetscInt i = 0; i < n; i++) most = PressedAcross(rod, &nodes[i], most);
   PetscCall(PetscFree(nodes));
-  for (int d = 0; d < 2; d++) {
-    of_all[0][d] = most[d];
-    of_all[1][d] = -most[d];
-  }
+  Put2(most, of_all);
+  Put2(Times2(-1, most), of_all + 2);
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, of_all, 4, MPIU_REAL, MPI_MAX, rod->scene->comm));
-  for (int d = 0; d < 2; d++)
-    rod->oblique[d] = of_all[0][d] >= of_all[1][d] ? of_all[0][d] : -of_all[1][d];
+  rod->oblique.x = of_all[0] >= of_all[2] ? of_all[0] : -of_all[2];
+  rod->oblique.y = of_all[1] >= of_all[3] ? of_all[1] : -of_all[3];
   PetscFunctionReturn(0);
 }
 
@@ -194,18 +190,19 @@ PetscReal RodReach(const RodModel *model, const PetscReal size[]) {
 
 /* What round-off of walls leaves of the groups ACROSS_2 and ACROSS_3, as a part of what is across:
    where their push is blurred, and where the axes are turned, for the coordinates are summed up. */
-static void Blur(const Rod rod, const PetscReal axes[2], PetscReal part[2]) {
-  const PetscReal c = PetscAbsReal(axes[0]), s = PetscAbsReal(axes[1]);
+static void Blur(const Rod rod, Vector2 axis, PetscReal part[MIRRORS]) {
+  const PetscReal c = PetscAbsReal(axis.x), s = PetscAbsReal(axis.y);
   const Contact *contact = &rod->scene->contact;
 
-  for (int d = 0; d < 2; d++) part[d] = rod->finest * ((ContactBlurs(contact, 1 + d) ? c : 0) + s);
+  for (int d = 0; d < MIRRORS; d++)
+    part[d] = rod->finest * ((ContactBlurs(contact, 1 + d) ? c : 0) + s);
 }
 
 /* How far across a rod goes, as a part of its reach: by its places, its turns, or where it is
    pushed to. */
 static PetscReal Across(const Rod rod, PetscReal reach, const PetscReal size[]) {
   const Pair *place = &rod->model->pair[0], *turn = &rod->model->pair[1];
-  const PetscReal push = hypot(rod->oblique[0], rod->oblique[1]);
+  const PetscReal push = Size2(rod->oblique);
   PetscReal most =
       PetscMax(size[place->along], size[place->beside]) / PetscMax(reach, rod_rule.vanished);
 
@@ -228,8 +225,7 @@ static PetscBool MayBlur(const Rod rod) {
   frame is in which the wall is told. That is a part of each vector across; of place and turn, of
   how far across the rod goes by any of them; and where walls rub, what turns it about itself, too.
 */
-static void LeaveBlur(const Rod rod, const PetscReal axes[2], const PetscReal size[],
-                      PetscReal scale[]) {
+static void LeaveBlur(const Rod rod, Vector2 axis, const PetscReal size[], PetscReal scale[]) {
   const RodModel *model = rod->model;
   const PetscBool rubs = ContactWallsRub(&rod->scene->contact);
   PetscReal reach, across, part[GROUPS] = {0};
@@ -237,7 +233,7 @@ static void LeaveBlur(const Rod rod, const PetscReal axes[2], const PetscReal si
   if (!MayBlur(rod)) return;
   reach = RodReach(model, size);
   across = Across(rod, reach, size);
-  Blur(rod, axes, &part[ACROSS_2]);
+  Blur(rod, axis, &part[ACROSS_2]);
   if (rubs) part[TWIST] = PetscMax(part[ACROSS_2], part[ACROSS_3]);
   for (PetscInt k = 0; k < model->pairs; k++) {
     const PetscInt a = model->pair[k].along, b = model->pair[k].beside;
@@ -254,13 +250,12 @@ static void LeaveBlur(const Rod rod, const PetscReal axes[2], const PetscReal si
 /* RodBlurred - places across, by the coordinates, that are no larger are round-off of walls; 0:
    there is none. Collective. */
 PetscErrorCode RodBlurred(Rod rod, Vec U, PetscReal place[MIRRORS]) {
-  const PetscReal none[2] = {1, 0};
   PetscReal size[MAX_FIELDS], reach;
 
   PetscFunctionBegin;
   place[0] = place[1] = 0;
   if (!MayBlur(rod)) PetscFunctionReturn(0);
-  Blur(rod, none, place);
+  Blur(rod, coordinate, place);
   if (place[0] == 0 && place[1] == 0) PetscFunctionReturn(0);
   PetscCall(RodFieldSizes(rod, U, size));
   reach = RodReach(rod->model, size);
@@ -269,25 +264,24 @@ PetscErrorCode RodBlurred(Rod rod, Vec U, PetscReal place[MIRRORS]) {
 }
 
 /* By how much a vector across adds to what drives a group of fields, along the axes. */
-static PetscReal Drives(const PetscReal drive[2], int group, const PetscReal axes[2]) {
-  if (group == ACROSS_2) return PetscAbsReal(axes[0] * drive[0] + axes[1] * drive[1]);
-  if (group == ACROSS_3) return PetscAbsReal(axes[0] * drive[1] - axes[1] * drive[0]);
+static PetscReal Drives(Vector2 drive, int group, Vector2 axis) {
+  if (group == ACROSS_2) return PetscAbsReal(Dot2(axis, drive));
+  if (group == ACROSS_3) return PetscAbsReal(Cross2(axis, drive));
   return 0;
 }
 
 /* How strongly a group of fields is moved from 0, along the axes. */
-static PetscReal Prescribed(const Rod rod, int group, const PetscReal axes[2]) {
-  static const PetscReal none[2] = {0, 0};
+static PetscReal Prescribed(const Rod rod, int group, Vector2 axis) {
   const Scene scene = rod->scene;
   const Space *space = &scene->space;
   const SceneUnits *units = &scene->units;
   const PetscReal L = units->length, force = units->stiffness / (L * L);
   PetscReal sum =
-      space->turned[group] + space->moved[group] / L + Drives(rod->oblique, group, axes);
+      space->turned[group] + space->moved[group] / L + Drives(rod->oblique, group, axis);
 
-  if (scene->tropism.any) sum += Drives(rod->learned ? rod->learned->drive : none, group, axes);
-  sum += Drives(scene->load.weight + 1, group, axes) / (force / L);
-  sum += Drives(scene->tip.push + 1, group, axes) / force;
+  if (scene->tropism.any && rod->learned) sum += Drives(From2(rod->learned->drive), group, axis);
+  sum += Drives(From2(scene->load.weight + 1), group, axis) / (force / L);
+  sum += Drives(From2(scene->tip.push + 1), group, axis) / force;
   if (group == TWIST)
     sum += PetscAbsReal(scene->tip.torque) / (force * L) + PetscAbsReal(space->spin) * units->time;
   return sum;
@@ -296,14 +290,14 @@ static PetscReal Prescribed(const Rod rod, int group, const PetscReal axes[2]) {
 /* What twists a rod that is bent in one direction drives it in the other, by a part of that bend.
  */
 static void TwistAcross(const Rod rod, PetscReal part, PetscReal scale[]) {
-  const PetscReal none[2] = {1, 0}, prescribed = part * PetscMin(1, Prescribed(rod, TWIST, none));
+  const PetscReal prescribed = part * PetscMin(1, Prescribed(rod, TWIST, coordinate));
 
   for (PetscInt k = 0; k < rod->model->pairs && prescribed > 0; k++) {
     const PetscInt a = rod->model->pair[k].along, b = rod->model->pair[k].beside;
-    const PetscReal across[2] = {scale[a], scale[b]};
+    const Vector2 across = {scale[a], scale[b]};
     if (!rod->model->followed[a]) continue;
-    scale[a] = PetscMax(scale[a], prescribed * across[1]);
-    scale[b] = PetscMax(scale[b], prescribed * across[0]);
+    scale[a] = PetscMax(scale[a], prescribed * across.y);
+    scale[b] = PetscMax(scale[b], prescribed * across.x);
   }
 }
 
@@ -344,6 +338,14 @@ static void LeaveTurned(const Rod rod, const PetscReal size[], PetscReal scale[]
                                         (RodIsPlace(rod->model, f) ? reach : 1));
 }
 
+/* The scales of a rod that others hold or push: what these are off by is a part of their own size,
+   and their round-off is more than the whole of what a rod that has hardly moved does. */
+static void LeaveOthers(const Rod rod, PetscReal scale[]) {
+  for (PetscInt f = 0; f < rod->model->fields && rod->least > 0; f++)
+    if (rod->model->followed[f])
+      scale[f] = PetscMax(scale[f], RodIsPlace(rod->model, f) ? rod->least : rod_rule.joined_part);
+}
+
 /*
   RodFieldScales - what a change of each field is measured against: its size, but for fields that
   are made of products of others, and may be no more than what these leave of round-off; and for
@@ -352,25 +354,27 @@ static void LeaveTurned(const Rod rod, const PetscReal size[], PetscReal scale[]
   measured against a small part of what they will be, places in the scene's own unit of length.
   Collective.
 
-  axes  on exit, those along which the changes of the fields across are to be measured; NULL: the
-        coordinates
+  axis  on exit, the first of those along which the changes of the fields across are to be
+        measured; NULL: the coordinates
 */
-PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale[MAX_FIELDS]) {
-  PetscReal none[2] = {1, 0}, size[MAX_FIELDS];
+PetscErrorCode RodFieldScales(Rod rod, Vec U, Vector2 *axis, PetscReal scale[MAX_FIELDS]) {
+  PetscReal size[MAX_FIELDS];
+  Vector2 along = coordinate;
 
   PetscFunctionBegin;
   PetscCall(RodFieldSizes(rod, U, size));
-  if (axes)
-    PetscCall(RodAxes(rod, U, size, axes));
-  else
-    axes = none;
+  if (axis) {
+    PetscCall(RodAxes(rod, U, size, &along));
+    *axis = along;
+  }
   PetscCall(PetscArraycpy(scale, size, rod->model->fields));
-  if (axes[1] != 0) {
-    PetscCall(RodSizesAlong(rod, U, axes, scale));
-    LeaveRoundOff(rod->model, axes, size, scale);
+  if (along.y != 0) {
+    PetscCall(RodSizesAlong(rod, U, along, scale));
+    LeaveRoundOff(rod->model, along, size, scale);
   }
   for (PetscInt f = 0; f < rod->model->fields; f++) {
-    PetscReal prescribed = Prescribed(rod, rod->model->group[f], axes), unit = RodFieldUnit(rod, f);
+    PetscReal prescribed = Prescribed(rod, rod->model->group[f], along),
+              unit = RodFieldUnit(rod, f);
     if (!rod->model->followed[f]) continue;
     if (prescribed > 0)
       scale[f] = PetscMax(scale[f],
@@ -379,11 +383,12 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, PetscReal axes[2], PetscReal scale
     else if (scale[f] == 0)
       scale[f] = rod_rule.unprescribed_part * unit;
   }
-  LeaveBlur(rod, axes, size, scale);
+  LeaveBlur(rod, along, size, scale);
   LeaveTurned(rod, size, scale);
   TwistAcross(rod, rod_rule.prescribed_part, scale);
   if (rod->model->scale) rod->model->scale(scale);
   RollByItsArm(rod, size, scale);
+  LeaveOthers(rod, scale);
   if (rod->learned) LearnedScale(rod, scale);
   PetscFunctionReturn(0);
 }

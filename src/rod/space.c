@@ -28,9 +28,9 @@
 */
 static void Kink(const Cell *cell, PetscReal K[4]) {
   const Point *p = cell->mid;
-  const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[1].g),
-                  turn[3] = {0, -f * cell->law[1].flex[1] * Dot3(w, p->d[2]),
-                             f * cell->law[1].flex[2] * Dot3(w, p->d[1])};
+  const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[AT_MID].g),
+                  turn[3] = {0, -f * cell->law[AT_MID].flex[1] * Dot3(w, p->d[2]),
+                             f * cell->law[AT_MID].flex[2] * Dot3(w, p->d[1])};
 
   QuaternionTurn(p->p, turn, K);
   for (int i = 0; i < 4; i++) K[i] /= 2;
@@ -45,8 +45,8 @@ static void AddFeet(const Cell *cell, PetscReal r[FIELDS]) {
   Kink(cell, K);
   for (int i = 0; i < 4; i++) r[P + i] -= K[i];
   for (int i = 0; i < 3; i++) {
-    r[N + i] -= we * (load[0][i] + load[2][i]);
-    r[M + i] -= we * (load[0][3 + i] + load[2][3 + i]);
+    r[N + i] -= we * (load[AT_A][i] + load[AT_B][i]);
+    r[M + i] -= we * (load[AT_A][3 + i] + load[AT_B][3 + i]);
   }
 }
 
@@ -243,9 +243,9 @@ static PetscErrorCode SpaceCreate(Rod rod) {
     rod->memory += FrictionDualReals(RUBS) * WALL_SLOTS;
   }
   if (Kinks(rod->scene)) PetscCall(PetscCalloc1(rod->end - rod->first + 2, &self->split));
-  if (rod->scene->contact.self) {
+  if (rod->scene->contact.self && !rod->scene->contact.among) {
     rod->coupled = PETSC_TRUE;
-    PetscCall(StrandRowsCreate(rod, &self->strands));
+    PetscCall(StrandRowsCreate(rod, NULL, &self->strands));
   }
   PetscFunctionReturn(0);
 }

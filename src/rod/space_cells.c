@@ -27,8 +27,8 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   Point *p = cell->mid;
   PetscReal wa[3], wb[3];
 
-  VelocitySlope(&cell->law[0], a, wa);
-  VelocitySlope(&cell->law[2], b, wb);
+  VelocitySlope(&cell->law[AT_A], a, wa);
+  VelocitySlope(&cell->law[AT_B], b, wb);
   for (int i = 0; i < 4; i++) {
     p->p[i] = CurveMid(k, a->p[i], a->f[P + i], b->p[i], b->f[P + i]);
     p->p_t[i] = (ua_t[P + i] + ub_t[P + i]) / 2;
@@ -41,25 +41,26 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   for (int i = 0; i < 3 && cell->split; i++)
     p->m[i] += SplitBow(cell) * (a->couple[i] - b->couple[i]);
   for (int i = 0; i < 3 && cell->feet.n; i++) {
-    p->n[i] += k * (cell->foot_load[0][i] - cell->foot_load[2][i]);
-    p->m[i] += k * (cell->foot_load[0][3 + i] - cell->foot_load[2][3 + i]);
+    p->n[i] += k * (cell->foot_load[AT_A][i] - cell->foot_load[AT_B][i]);
+    p->m[i] += k * (cell->foot_load[AT_A][3 + i] - cell->foot_load[AT_B][3 + i]);
   }
-  PointStrains(load, &cell->law[1], p);
+  PointStrains(load, &cell->law[AT_MID], p);
   if (cell->cubic)
     p->at.v[SPIN] =
         load->arm *
-        (CurveMid(k, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(&cell->law[0], a),
-                  QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(&cell->law[2], b)) +
-         cell->law[1].c * p->u[0]);
+        (CurveMid(k, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(&cell->law[AT_A], a),
+                  QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(&cell->law[AT_B], b)) +
+         cell->law[AT_MID].c * p->u[0]);
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++)
-    p->at.v[i] = CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[1].c * p->d[0][i];
-  PointEvaluate(load, &cell->law[1], cell->dual[1], p);
+    p->at.v[i] =
+        CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[AT_MID].c * p->d[0][i];
+  PointEvaluate(load, &cell->law[AT_MID], cell->dual[AT_MID], p);
   for (int i = 0; i < 3 && cell->split; i++)
     p->f[M + i] += (a->couple[i] + b->couple[i]) / 2 - p->couple[i];
   for (int i = 0; i < 3 && cell->feet.n; i++) {
-    p->f[N + i] += cell->foot_load[1][i];
-    p->f[M + i] += cell->foot_load[1][3 + i];
+    p->f[N + i] += cell->foot_load[AT_MID][i];
+    p->f[M + i] += cell->foot_load[AT_MID][3 + i];
   }
 }
 
@@ -186,7 +187,8 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->thin = rod->scene->contact.thin;
   cell->feet.n = 0;
   cell->load = &rod->scene->load;
-  cell->push = cell->couple = NULL;
+  cell->push = rod->pushed.force;
+  cell->couple = rod->pushed.couple;
   if (self->strands) PetscCall(StrandRowsLoad(rod, self->strands, at, &cell->push, &cell->couple));
   cell->s = rod->scene->mesh.s;
   if (rod->learned) {

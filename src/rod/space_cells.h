@@ -77,15 +77,14 @@ static inline PetscReal SplitBow(const Cell *cell) {
 static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual *dual,
                                  Point *p) {
   const PetscReal *q = p->d[0], g = law->g;
-  PetscReal load_[RUBS];
+  PetscReal load_[RUBS], turned[3];
 
   LoadForce(3, load, &p->at, dual, load_);
   QuaternionTurn(p->p, p->u, p->f + P);
   for (int i = 0; i < 4; i++) p->f[P + i] *= g / 2;
-  p->f[M] = -g * (q[1] * p->n[2] - q[2] * p->n[1]);
-  p->f[M + 1] = -g * (q[2] * p->n[0] - q[0] * p->n[2]);
-  p->f[M + 2] = -g * (q[0] * p->n[1] - q[1] * p->n[0]);
+  Cross3(q, p->n, turned);
   for (int i = 0; i < 3; i++) {
+    p->f[M + i] = -g * turned[i];
     p->f[X + i] = g * q[i];
     if (load->arm > 0) p->f[M + i] += p->couple[i] = g * load_[SPIN] * q[i];
     p->f[N + i] = g * load_[i];
@@ -97,8 +96,7 @@ static inline void PointStrains(const Load *load, const Law *law, Point *p) {
   p->size = QuaternionSize(p->p);
   Directors(p->p, p->size, p->d);
   for (int k = 0; k < 3; k++) {
-    p->u[k] = law->flex[k] * (p->d[k][0] * p->m[0] + p->d[k][1] * p->m[1] + p->d[k][2] * p->m[2]) +
-              law->u0[k];
+    p->u[k] = law->flex[k] * Dot3(p->d[k], p->m) + law->u0[k];
     p->at.q[k] = p->d[0][k];
   }
   p->at.v[SPIN] = 0;
@@ -111,9 +109,7 @@ static inline void DirectorRate(Point *p) {
   PetscReal D[3][4];
 
   DirectorSlope(p->p, p->size, p->d[0], 0, D);
-  for (int i = 0; i < 3; i++)
-    p->d1_t[i] =
-        D[i][0] * p->p_t[0] + D[i][1] * p->p_t[1] + D[i][2] * p->p_t[2] + D[i][3] * p->p_t[3];
+  for (int i = 0; i < 3; i++) p->d1_t[i] = Dot4(D[i], p->p_t);
 }
 
 /* The rates at node i, or their shifts: a place that is held at rest has none. */
@@ -182,7 +178,8 @@ PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes);
 void SpaceLearnedLaws(Rod rod, PetscReal t);
 PetscErrorCode SpaceLearnedOpen(Rod rod, const RodState *at);
 void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid);
-void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, LearnedSlope *slope);
+void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const PetscReal (*u_p)[4],
+                       const PetscReal (*u_m)[3], LearnedSlope *slope);
 void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4]);
 
 /* space_defect.c */

@@ -3,6 +3,7 @@
    quaternion in the middle of a cell is the mean of both ends', which is of order 2: it is held
    against the parabola through three nodes. */
 #include "rod/pair_defect.h"
+#include "base/vectors.h"
 #include "rod/space_cells.h"
 
 /* Two cells beside each other, or one: their points, laws and duals from the first on. */
@@ -121,10 +122,9 @@ static void StripMoments(Cells *cells) {
     for (int e = 1; e < 3; e++) {
       const PetscReal *w = e == 1 ? mid : end, *q = cells->p[2 * k + e].d[0],
                       g = cells->law[2 * k + e].g;
-      PetscReal *value = cells->value[2 * k + e] + M;
-      value[0] += g * (q[1] * w[2] - q[2] * w[1]);
-      value[1] += g * (q[2] * w[0] - q[0] * w[2]);
-      value[2] += g * (q[0] * w[1] - q[1] * w[0]);
+      PetscReal turned[3];
+      Cross3(q, w, turned);
+      for (int d = 0; d < 3; d++) cells->value[2 * k + e][M + d] += g * turned[d];
     }
     memcpy(n, end, sizeof(n));
   }
@@ -211,9 +211,9 @@ static void Take(const Cell *cell, PetscInt i, int k, Cells *cells) {
   if (!k) {
     cells->law = cell->law;
     cells->part =
-        cells->load->walls ? PairSees(&cell->rod->scene->contact, cell->law[2].g * cell->h) : 1;
-    cells->gives =
-        PetscMin(1, PetscPowRealInt(cell->rod->scene->contact.tip / (cell->law[2].g * cell->h), 4));
+        cells->load->walls ? PairSees(&cell->rod->scene->contact, cell->law[AT_B].g * cell->h) : 1;
+    cells->gives = PetscMin(
+        1, PetscPowRealInt(cell->rod->scene->contact.tip / (cell->law[AT_B].g * cell->h), 4));
     cells->seen = cells->part < 1 ? cells->bare : cells->load;
     cells->push = cell->push ? cell->push + 2 * i : NULL;
     cells->couple = cell->couple ? cell->couple + 2 * i : NULL;

@@ -53,7 +53,7 @@ PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum) {
     SpaceCellsNext(&cell, i);
     if (i < rod->first) continue;
     if (i == rod->first)
-      LoadParts(3, cell.load, &cell.a->at, cell.dual[0], end.friction, end.walls, &end.moved);
+      LoadParts(3, cell.load, &cell.a->at, cell.dual[AT_A], end.friction, end.walls, &end.moved);
     AddForces(&cell, &end, sum);
   }
   if (rod->end == rod->last + 1) AddTip(&cell, sum);
@@ -78,9 +78,9 @@ PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal 
   for (PetscInt i = first; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (i == first && ends && (i > 0 || cell.law->c != 0 || rod->scene->clamp == CLAMP_FREE))
-      *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.a->at, seen, cell.dual[0]));
-    *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.mid->at, seen, cell.dual[1]));
-    if (ends) *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.b->at, seen, cell.dual[2]));
+      *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.a->at, seen, cell.dual[AT_A]));
+    *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.mid->at, seen, cell.dual[AT_MID]));
+    if (ends) *creep = LargerOf(*creep, LoadHold(3, cell.load, &cell.b->at, seen, cell.dual[AT_B]));
     if (cell.feet.n && self->foot_dual)
       *creep = LargerOf(*creep, FeetHold(&rod->scene->contact, &cell.foot_cell, &cell.feet, seen,
                                          FeetHeldAt(&cell, i)));

@@ -15,14 +15,14 @@ typedef struct {
 /* The derivatives of the kink that feet leave (space.c), by p in the middle of a cell and by w. */
 static void KinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]) {
   const Point *p = cell->mid;
-  const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[1].g);
+  const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[AT_MID].g);
   PetscReal D[3][4];
 
   memset(by_p, 0, 4 * sizeof(*by_p));
   memset(by_w, 0, 4 * sizeof(*by_w));
   for (int k = 1; k < 3; k++) {
     const int other = 3 - k; /* d_k.(d1 x w) = -w.d3 of k = 1, w.d2 of k = 2 */
-    const PetscReal size = (k == 1 ? -1 : 1) * f * cell->law[1].flex[k],
+    const PetscReal size = (k == 1 ? -1 : 1) * f * cell->law[AT_MID].flex[k],
                     unit[3] = {0, k == 1, k == 2},
                     turn[3] = {0, unit[1] * size * Dot3(w, p->d[2]),
                                unit[2] * size * Dot3(w, p->d[1])};
@@ -31,8 +31,7 @@ static void KinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][
     QuaternionTurn(p->p, unit, along);
     for (int i = 0; i < 4; i++) {
       for (int j = 0; j < 3; j++) by_w[i][j] += along[i] / 2 * size * p->d[other][j];
-      for (int j = 0; j < 4; j++)
-        by_p[i][j] += along[i] / 2 * size * (D[0][j] * w[0] + D[1][j] * w[1] + D[2][j] * w[2]);
+      for (int j = 0; j < 4; j++) by_p[i][j] += along[i] / 2 * size * ColumnDot3(D[0], 4, j, w);
     }
     for (int j = 0; j < 4; j++) { /* the product is linear in p */
       const PetscReal one[4] = {j == 0, j == 1, j == 2, j == 3};
@@ -66,8 +65,7 @@ WIDE_VECTORS static void Linearise(const Cell *cell, const Law *law, const Point
   for (int k = 0; k < 3; k++) { /* u_k = flex_k d_k.m + u0_k */
     DirectorSlope(p->p, p->size, p->d[k], k, D);
     if (!k) memcpy(slope->d1, D, sizeof(D));
-    for (int j = 0; j < 4; j++)
-      slope->u_p[k][j] = law->flex[k] * (D[0][j] * p->m[0] + D[1][j] * p->m[1] + D[2][j] * p->m[2]);
+    for (int j = 0; j < 4; j++) slope->u_p[k][j] = law->flex[k] * ColumnDot3(D[0], 4, j, p->m);
     for (int j = 0; j < 3; j++) slope->u_m[k][j] = law->flex[k] * p->d[k][j];
   }
   /* x' = g d1 */
@@ -110,8 +108,7 @@ static void AddCouple(const Load *load, const Law *law, const Point *p, const Fr
     if (!LoadPlaced(load)) continue;
     for (int j = 0; j < 3; j++) slope->f[M + i][X + j] += along * slope->load.x[SPIN][j];
     for (int j = 0; j < 4; j++)
-      slope->f[M + i][P + j] += along * (by_q[0] * slope->d1[0][j] + by_q[1] * slope->d1[1][j] +
-                                         by_q[2] * slope->d1[2][j]);
+      slope->f[M + i][P + j] += along * ColumnDot3(slope->d1[0], 4, j, by_q);
   }
 }
 
@@ -119,9 +116,10 @@ static void AddCouple(const Load *load, const Law *law, const Point *p, const Fr
    middle of a cell each end has half. dW[RUBS][FIELDS] is added to. */
 static void RateSlope(const Load *load, const Point *p, PetscReal half, const PetscReal shift[],
                       PetscReal dW[RUBS][FIELDS]) {
-  const PetscReal *q = p->p, f = 2 / p->size * load->arm;
-  const PetscReal by_rate[4] = {-q[1], q[0], q[3], -q[2]};
+  const PetscReal f = 2 / p->size * load->arm;
+  PetscReal by_rate[4];
 
+  SpinForm(p->p, by_rate);
   for (int i = 0; i < 3; i++) dW[i][X + i] += half * shift[X + i];
   for (int j = 0; j < 4 && load->arm > 0; j++)
     dW[SPIN][P + j] += half * shift[P + j] * f * by_rate[j];
@@ -130,10 +128,10 @@ static void RateSlope(const Load *load, const Point *p, PetscReal half, const Pe
 /* By p where its rate is held, in the spin. */
 static void SpinByP(const Load *load, const Point *p, PetscReal by[4]) {
   const PetscReal *p_t = p->p_t, f = 2 / p->size * load->arm,
-                  spin = f * QuaternionSpin(p->p, p->size, p_t),
-                  by_p[4] = {p_t[1], -p_t[0], -p_t[3], p_t[2]};
+                  spin = f * QuaternionSpin(p->p, p->size, p_t);
 
-  for (int j = 0; j < 4; j++) by[j] = f * by_p[j] - spin * p->p[j];
+  SpinForm(p_t, by);
+  for (int j = 0; j < 4; j++) by[j] = -f * by[j] - spin * p->p[j];
 }
 
 /* By the place on the curve: of W = (v, r spin) what slides past labels, c d1 and c u1. */
@@ -196,7 +194,7 @@ static void SpinSlopeSlope(const Law *law, const Point *p, const Slope *slope,
       by[j] += g * (flex * p->m_t[i] + flex_t * p->m[i]) * slope->d1[i][j] +
                flex * p->m[i] * (by_p[i][j] - law->g_t * slope->d1[i][j]);
   for (int k = 1; k < 3; k++) {
-    const PetscReal *d = p->d[k], turns = d[0] * d1_t[0] + d[1] * d1_t[1] + d[2] * d1_t[2];
+    const PetscReal *d = p->d[k], turns = Dot3(d, d1_t);
     PetscReal D[3][4];
     DirectorSlope(p->p, p->size, d, k, D);
     for (int j = 0; j < 4; j++) by[j] -= g * slope->u_p[k][j] * turns;
@@ -273,8 +271,8 @@ static void FeetSlope(const Cell *cell, int e, FootSlope by, PetscReal G[FIELDS]
   for (int i = 0; i < FOOT_LOAD; i++)
     for (int f = 0; f < FOOT_NODE; f++) {
       const int row = i < 3 ? N + i : M + i - 3, u = FOOT_NODE * e + f;
-      G[row][f] += k * (by[0][i][u] - by[2][i][u]);
-      J[row][f] -= we * (by[0][i][u] + by[2][i][u]) + wm * by[1][i][u];
+      G[row][f] += k * (by[AT_A][i][u] - by[AT_B][i][u]);
+      J[row][f] -= we * (by[AT_A][i][u] + by[AT_B][i][u]) + wm * by[AT_MID][i][u];
     }
 }
 
@@ -332,11 +330,11 @@ WIDE_VECTORS static void CellJacobian(const Cell *cell, PetscReal sign, const Pe
       for (int j = 0; j < 4; j++) dW[i][P + j] += k * by_p[i][j];
   }
   if (cell->cubic) CubicSpin(load, law, p, slope, k, shift, by_p, dW);
-  if (cell->law[1].c != 0 || load->arm > 0) {
+  if (cell->law[AT_MID].c != 0 || load->arm > 0) {
     if (cell->cubic)
-      SlideSlope(load, &cell->law[1], mid, turn);
+      SlideSlope(load, &cell->law[AT_MID], mid, turn);
     else
-      TurnSlope(load, &cell->law[1], cell->mid, mid, turn);
+      TurnSlope(load, &cell->law[AT_MID], cell->mid, mid, turn);
     AddProduct(RUBS, 7, FIELDS, 1, turn[0] + P, FIELDS, G[P], FIELDS, dW[0], FIELDS);
   }
   /* rows of x and p by p and m; of m by p and n; of n by x and p: what is 0 is left out */
@@ -349,21 +347,22 @@ WIDE_VECTORS static void CellJacobian(const Cell *cell, PetscReal sign, const Pe
     AddProduct(3, 3, FIELDS, -wm, mid->f[M], FIELDS, G[X], FIELDS, J[M], FIELDS);
     AddProduct(3, 7, FIELDS, -wm, mid->f[N], FIELDS, G[X], FIELDS, J[N], FIELDS);
   }
-  if (cell->law[1].c != 0 || load->arm > 0) {
-    AddProduct(3, 3, FIELDS, -wm * cell->law[1].g, mid->load.W[0], RUBS, dW[0], FIELDS, J[N],
+  if (cell->law[AT_MID].c != 0 || load->arm > 0) {
+    AddProduct(3, 3, FIELDS, -wm * cell->law[AT_MID].g, mid->load.W[0], RUBS, dW[0], FIELDS, J[N],
                FIELDS);
     if (load->arm > 0) {
       PetscReal couple[3][RUBS];
       for (int i = 0; i < 3; i++)
         for (int c = 0; c < RUBS; c++) couple[i][c] = cell->mid->d[0][i] * mid->load.W[SPIN][c];
-      AddProduct(3, 1, FIELDS, -wm * cell->law[1].g, mid->load.W[0] + SPIN, RUBS, dW[SPIN], FIELDS,
-                 J[N], FIELDS);
+      AddProduct(3, 1, FIELDS, -wm * cell->law[AT_MID].g, mid->load.W[0] + SPIN, RUBS, dW[SPIN],
+                 FIELDS, J[N], FIELDS);
       if (!cell->split)
-        AddProduct(3, RUBS, FIELDS, -wm * cell->law[1].g, couple[0], RUBS, dW[0], FIELDS, J[M],
+        AddProduct(3, RUBS, FIELDS, -wm * cell->law[AT_MID].g, couple[0], RUBS, dW[0], FIELDS, J[M],
                    FIELDS);
     }
   } else
-    AddProduct(3, 3, 7, -wm * cell->law[1].g, mid->load.W[0], RUBS, dW[0], FIELDS, J[N], FIELDS);
+    AddProduct(3, 3, 7, -wm * cell->law[AT_MID].g, mid->load.W[0], RUBS, dW[0], FIELDS, J[N],
+               FIELDS);
 }
 
 /* The slopes at the three points of a cell: that of its first node is the last of the cell before.
@@ -387,24 +386,24 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
   FootSlope feet;
 
   if (first)
-    NodeSlope(cell, cell->law, cell->a, cell->dual[0], shift, &slopes->a);
+    NodeSlope(cell, cell->law, cell->a, cell->dual[AT_A], shift, &slopes->a);
   else
     slopes->a = slopes->b;
-  NodeSlope(cell, cell->law + 2, cell->b, cell->dual[2], own, &slopes->b);
-  Linearise(cell, cell->law + 1, cell->mid, cell->dual[1], &slopes->mid);
+  NodeSlope(cell, cell->law + AT_B, cell->b, cell->dual[AT_B], own, &slopes->b);
+  Linearise(cell, cell->law + AT_MID, cell->mid, cell->dual[AT_MID], &slopes->mid);
   if (cell->load->arm > 0 && !cell->split)
-    AddCouple(cell->load, cell->law + 1, cell->mid, cell->dual[1], &slopes->mid);
+    AddCouple(cell->load, cell->law + AT_MID, cell->mid, cell->dual[AT_MID], &slopes->mid);
   if (cell->feet.n) {
     FootEnd end[2];
     memset(feet, 0, sizeof(feet));
     EndOf(cell, cell->law, cell->a, shift, &slopes->a, &end[0]);
-    EndOf(cell, cell->law + 2, cell->b, own, &slopes->b, &end[1]);
+    EndOf(cell, cell->law + AT_B, cell->b, own, &slopes->b, &end[1]);
     FeetLinearise(&cell->rod->scene->contact, &cell->foot_cell, end, cell->fresh,
                   FeetHeldAt(cell, i), &cell->feet, feet);
   }
-  CellJacobian(cell, -1, shift, cell->law, cell->a, cell->dual[0], &slopes->a, &slopes->mid,
+  CellJacobian(cell, -1, shift, cell->law, cell->a, cell->dual[AT_A], &slopes->a, &slopes->mid,
                cell->feet.n ? feet : NULL, left);
-  CellJacobian(cell, 1, own, cell->law + 2, cell->b, cell->dual[2], &slopes->b, &slopes->mid,
+  CellJacobian(cell, 1, own, cell->law + AT_B, cell->b, cell->dual[AT_B], &slopes->b, &slopes->mid,
                cell->feet.n ? feet : NULL, right);
 }
 
@@ -415,36 +414,43 @@ static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift
   PetscReal dW[RUBS][FIELDS] = {{0}}, still[FIELDS];
 
   RateSlope(cell->load, cell->b, 1, ShiftsAt(cell, rod->last, shift, still), dW);
-  TurnSlope(cell->load, cell->law + 2, cell->b, slope, dW);
+  TurnSlope(cell->load, cell->law + AT_B, cell->b, slope, dW);
   TipJacobian3(&rod->scene->tip, &tip, (const PetscReal(*)[FIELDS])dW, cell->fresh,
                SpaceTipDual(rod), by);
 }
 
+/* How W in the middle of a cell changes with p there, as it is turned. */
+static void MidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][4]) {
+  PetscReal by[RUBS][FIELDS] = {{0}};
+
+  if (cell->cubic)
+    SlideSlope(cell->load, &cell->law[1], mid, by);
+  else
+    TurnSlope(cell->load, &cell->law[1], cell->mid, mid, by);
+  for (int c = 0; c < RUBS; c++) memcpy(turn[c], by[c] + P, sizeof(turn[c]));
+}
+
 /* A cell's equations by the bend learned at one of its ends: that turns p' there, and so p in the
-   middle by k times that. e: the end, a (0) or b (1). */
-static void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid, PetscReal column[FIELDS],
-                     PetscReal by_bend[FIELDS]) {
+   middle by k times that. e: the end, a (0) or b (1); turn: MidTurns(). */
+ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
+                            PetscReal turn[RUBS][4], PetscReal column[FIELDS],
+                            PetscReal by_bend[FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscReal k = (e ? -1 : 1) * self->bow * cell->h, we = cell->h * self->end_weight,
-                  wm = cell->h * self->mid_weight, wg = wm * cell->law[1].g;
+                  wm = cell->h * self->mid_weight, wg = wm * cell->law[AT_MID].g;
   const Point *p = e ? cell->b : cell->a;
-  PetscReal turned[4], turn[RUBS][FIELDS] = {{0}}, dW[RUBS] = {0};
+  PetscReal turned[4], dW[RUBS] = {0};
 
   SpaceLearnedTurn(&cell->law[2 * e], p, bend, turned);
-  memset(column, 0, FIELDS * sizeof(*column));
-  memset(by_bend, 0, FIELDS * sizeof(*by_bend));
+  for (int r = 0; r < FIELDS; r++) column[r] = by_bend[r] = 0;
   for (int j = 0; j < 4; j++) {
     by_bend[P + j] = k * turned[j];
     column[P + j] = -we * turned[j];
   }
-  if (cell->cubic)
-    SlideSlope(cell->load, &cell->law[1], mid, turn);
-  else
-    TurnSlope(cell->load, &cell->law[1], cell->mid, mid, turn);
-  for (int r = 0; r < FIELDS; r++)
+  for (int r = 0; r < (LoadPlaced(cell->load) ? FIELDS : N); r++)
     for (int j = 0; j < 4; j++) column[r] -= wm * mid->f[r][P + j] * by_bend[P + j];
   for (int c = 0; c < RUBS; c++)
-    for (int j = 0; j < 4; j++) dW[c] += turn[c][P + j] * by_bend[P + j];
+    for (int j = 0; j < 4; j++) dW[c] += turn[c][j] * by_bend[P + j];
   if (cell->cubic) /* the spin's slope there has - g u_k d_k.d1_t */
     dW[SPIN] -= cell->load->arm * k * cell->law[2 * e].g * Dot3(p->d[bend ? 1 : 2], p->d1_t);
   for (int i = 0; i < 3; i++)
@@ -463,30 +469,35 @@ static void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid, PetscR
 
 /* What the material of cell i has learned, for learned.h; slopes at its nodes where they are asked
    for. */
-static void LearnedOf(const Cell *cell, PetscInt i, const Slopes *slopes, PetscBool at_a,
-                      PetscBool at_b, LearnedCell *learned) {
+WIDE_VECTORS static void LearnedOf(const Cell *cell, PetscInt i, const Slopes *slopes,
+                                   PetscBool at_a, PetscBool at_b, LearnedCell *learned) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscInt place = 2 * (i - cell->rod->first + 1);
   const PetscBool asked[3] = {at_a, PETSC_TRUE, at_b};
   const Point *at[3] = {cell->a, cell->mid, cell->b};
-  const Slope *end[2] = {&slopes->a, &slopes->b};
+  const Slope *slope[3] = {&slopes->a, &slopes->mid, &slopes->b};
+  PetscReal turn[RUBS][4];
 
+  MidTurns(cell, &slopes->mid, turn);
   for (int k = 0; k < 3; k++)
-    if (asked[k]) SpaceLearnedSlope(cell->rod, place + k, at[k], &learned->slope[k]);
+    if (asked[k])
+      SpaceLearnedSlope(cell->rod, place + k, at[k], (const PetscReal(*)[4])slope[k]->u_p,
+                        (const PetscReal(*)[3])slope[k]->u_m, &learned->slope[k]);
   for (int e = 0; e < 2; e++) {
     const PetscReal k = (e ? -1 : 1) * self->bow * cell->h;
-    for (int r = 0; r < FIELDS; r++)
-      for (int j = 0; j < FIELDS; j++)
-        learned->by_node[e][r][j] = k * end[e]->f[r][j] + (r == j ? 0.5 : 0);
+    for (int r = X; r < N; r++) { /* (of what is there nothing sees the force) */
+      for (int j = 0; j < FIELDS; j++) learned->by_node[e][r][j] = k * slope[2 * e]->f[r][j];
+      learned->by_node[e][r][r] += 0.5;
+    }
     for (int b = 0; b < TROPISM_BENDS; b++)
-      ColumnOf(cell, e, b, &slopes->mid, learned->column[2 * e][b], learned->by_bend[e][b]);
+      ColumnOf(cell, e, b, &slopes->mid, turn, learned->column[2 * e][b], learned->by_bend[e][b]);
   }
   for (int b = 0; b < TROPISM_BENDS; b++) {
     PetscReal turned[4];
-    SpaceLearnedTurn(&cell->law[1], cell->mid, b, turned);
-    memset(learned->column[1][b], 0, sizeof(learned->column[1][b]));
+    SpaceLearnedTurn(&cell->law[AT_MID], cell->mid, b, turned);
+    for (int r = 0; r < FIELDS; r++) learned->column[AT_MID][b][r] = 0;
     for (int j = 0; j < 4; j++)
-      learned->column[1][b][P + j] = -cell->h * self->mid_weight * turned[j];
+      learned->column[AT_MID][b][P + j] = -cell->h * self->mid_weight * turned[j];
   }
 }
 
@@ -497,10 +508,18 @@ static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscR
   LearnedCell learned;
 
   LearnedOf(cell, i, slopes, first, PETSC_TRUE, &learned);
-  if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[0], shift);
-  LearnedNodeSlope(cell->rod, i + 1, &learned.slope[2], shift);
+  if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[AT_A], NULL, shift);
+  LearnedNodeSlope(cell->rod, i + 1, &learned.slope[AT_B], NULL, shift);
   LearnedCondense(cell->rod, i, &learned, shift, left[0], right[0]);
-  if (i + 1 == cell->rod->last) LearnedSignalSlope(cell->rod, &learned.slope[2], shift);
+  if (i + 1 == cell->rod->last) LearnedSignalSlope(cell->rod, &learned.slope[AT_B], shift);
+}
+
+/* Where what strands need to know of the cell behind an owned node is kept; NULL: nowhere. */
+static StrandCell *KeptCell(Rod rod, PetscInt i) {
+  const Space_ *self = (const Space_ *)rod->data;
+
+  if (self->strands && i >= rod->first) return StrandRowsCell(rod, self->strands, i);
+  return rod->pushed.cells ? rod->pushed.cells + i : NULL;
 }
 
 /* What strands need to know of the cell behind a node. */
@@ -510,7 +529,7 @@ static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
   *kept = (StrandCell){.end_weight = cell->h * self->end_weight,
                        .mid_weight = cell->h * self->mid_weight,
                        .bow = cell->h * self->bow,
-                       .g = cell->law[1].g};
+                       .g = cell->law[AT_MID].g};
   memcpy(kept->q, cell->mid->d[0], sizeof(kept->q));
   for (int i = 0; i < 4; i++) memcpy(kept->p_m[i], &mid->f[P + i][M], sizeof(kept->p_m[i]));
 }
@@ -518,11 +537,11 @@ static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
 /* ... if its material learns its natural curvature. */
 static void KeepLearnedCell(const Cell *cell, PetscInt i, const Slope *mid,
                             const LearnedSlope *slope) {
-  const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscReal clock = cell->rod->learned->clock[2 * (i - cell->rod->first + 1) + 1];
-  StrandCell *kept = StrandRowsCell(cell->rod, self->strands, i);
+  StrandCell *kept = KeptCell(cell->rod, i);
   PetscReal by[FIELDS];
 
+  if (!kept) return;
   KeepCell(cell, mid, kept);
   for (int b = 0; b < TROPISM_BENDS; b++) {
     LearnedByElastic(cell->rod, clock, slope, b, by);
@@ -549,18 +568,18 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     SpaceCellsNext(&cell, i);
     CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
     LearnedOf(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[0], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
-    if (self->strands && i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[1]);
+    if (i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[AT_MID]);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
-                            &learned.slope[0], NULL, NULL, room, J));
+                            &learned.slope[AT_A], NULL, NULL, room, J));
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, &slopes.b, at->shift, by);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[2], at->shift);
-    LearnedSignalSlope(rod, &learned.slope[2], at->shift);
-    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[2], NULL, by[0],
-                            room, J));
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], NULL, at->shift);
+    LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
+    PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B], NULL,
+                            by[0], room, J));
   }
   PetscCall(SpaceCellsClose(&cell));
   PetscCall(PetscFree(room));
@@ -583,6 +602,7 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
   Space_ *self = (Space_ *)rod->data;
   PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
+  StrandCell *kept;
   Slopes slopes;
   Cell cell;
   Rows row;
@@ -604,8 +624,8 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
     if (i < rod->last) {
       SpaceCellsNext(&cell, i);
       CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
-      if (self->strands && i >= rod->first)
-        KeepCell(&cell, &slopes.mid, StrandRowsCell(rod, self->strands, i));
+      kept = KeptCell(rod, i);
+      if (kept) KeepCell(&cell, &slopes.mid, kept);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {

@@ -1,5 +1,6 @@
 /* The initial shape of a rod in space. */
 #include "base/lagrange.h"
+#include "base/quaternion.h"
 #include "base/vectors.h"
 #include "rod/space_cells.h"
 #include "rod/spin_rest.h"
@@ -112,15 +113,14 @@ static void InitialForces(PetscInt n, const SpinPlace place[], const PetscReal t
   const PetscInt first = PlaceSlope(n, place, i, D);
 
   PlaceMoments(n, place, turn, i, m, u);
-  for (int j = 0; j < 3; j++) {
-    node->m3[j] = m[0] * d[0][j] + m[1] * d[1][j] + m[2] * d[2][j];
-    curl[j] = place[i].g * (u[0] * d[0][j] + u[1] * d[1][j] + u[2] * d[2][j]);
-  }
+  TurnBack3(d, m, node->m3);
+  TurnBack3(d, u, curl);
+  for (int j = 0; j < 3; j++) curl[j] *= place[i].g;
   Cross3(curl, node->m3, slope);
   for (int at = 0; at < 3; at++) {
     PlaceMoments(n, place, turn, first + at, m, other);
-    for (int j = 0; j < 3; j++)
-      slope[j] += D[at] * (m[0] * d[0][j] + m[1] * d[1][j] + m[2] * d[2][j]);
+    TurnBack3(d, m, by);
+    for (int j = 0; j < 3; j++) slope[j] += D[at] * by[j];
   }
   Cross3(slope, d[0], by);
   for (int j = 0; j < 3; j++) node->n3[j] = along * d[0][j] - by[j] / place[i].g;
@@ -129,47 +129,74 @@ static void InitialForces(PetscInt n, const SpinPlace place[], const PetscReal t
 /* The node at place i of n: the curve's own frame, turned. */
 static void InitialNode(PetscInt n, const SpinPlace place[], const PetscReal turn[], PetscInt i,
                         const Shape_ *at, PetscReal along, Node *node) {
-  const PetscReal c = PetscCosReal(turn[i] / 2), s = PetscSinReal(turn[i] / 2), *p = at->p;
-  const PetscReal turned[4] = {c * p[0] - s * p[1], c * p[1] + s * p[0], c * p[2] + s * p[3],
-                               c * p[3] - s * p[2]};
+  const PetscReal about[4] = {PetscCosReal(turn[i] / 2), PetscSinReal(turn[i] / 2)};
   PetscReal d[3][3];
 
   memset(node, 0, sizeof(*node));
   memcpy(node->x3, at->x, sizeof(node->x3));
   memcpy(node->x3_t, at->x_t, sizeof(node->x3_t));
-  memcpy(node->p, turned, sizeof(node->p));
-  Directors(turned, QuaternionSize(turned), d);
+  QuaternionTimes(at->p, about, node->p);
+  Directors(node->p, QuaternionSize(node->p), d);
   InitialForces(n, place, turn, i, (const PetscReal(*)[3])d, along, node);
   RodPlanePart(node);
 }
 
-/* SpaceInitial - the scene's initial shape at the owned nodes; see RodInitialNodes(). Every rank
-   goes along the whole rod, in steps that are much shorter than its cells. */
-PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
-  Scene scene = rod->scene;
-  const PetscReal *s = scene->mesh.s;
-  const PetscInt fine = PetscMax(1, rod_rule.start_steps / rod->last), n = rod->last * fine + 1;
+/* The labels of a mesh without those that are there twice, how many cells there are between them,
+   and which of them each node has. */
+static PetscInt Distinct(PetscInt last, const PetscReal mesh[], PetscReal s[], PetscInt which[]) {
+  PetscInt cells = 0;
+
+  s[0] = mesh[0];
+  which[0] = 0;
+  for (PetscInt i = 1; i <= last; i++) {
+    if (mesh[i] > mesh[i - 1]) s[++cells] = mesh[i];
+    which[i] = cells;
+  }
+  return cells;
+}
+
+/* The initial shape at the labels of so many cells, each of which is gone along in so many steps.
+   Those on this rank are wanted: from .. end - 1. */
+static PetscErrorCode ShapeAtLabels(Scene scene, PetscReal t, PetscInt cells, const PetscReal s[],
+                                    PetscInt from, PetscInt end, Node nodes[]) {
+  const PetscInt fine = PetscMax(1, rod_rule.start_steps / cells), n = cells * fine + 1;
   Shape_ at = {.p = {1}};
   PetscReal *force, *turn;
   SpinPlace *place;
 
   PetscFunctionBegin;
   SpaceClampTurn(&scene->space, t, at.p);
-  PetscCall(PetscMalloc3(rod->last + 1, &force, n, &place, n, &turn));
-  PetscCall(StraightForce(scene, rod->last + 1, s, t, force));
+  PetscCall(PetscMalloc3(cells + 1, &force, n, &place, n, &turn));
+  PetscCall(StraightForce(scene, cells + 1, s, t, force));
   for (PetscInt i = 0; i < n; i++) {
-    const PetscInt cell = PetscMin(i / fine, rod->last - 1);
+    const PetscInt cell = PetscMin(i / fine, cells - 1);
     place[i].s = s[cell] + (s[cell + 1] - s[cell]) * (i - cell * fine) / fine;
   }
   PetscCall(InitialPlaces(scene, t, n, place, turn));
-  for (PetscInt i = 0; i < rod->end; i++) {
+  for (PetscInt i = 0; i < end; i++) {
     for (PetscInt k = 0; i && k < fine; k++) {
       PetscReal h = (s[i] - s[i - 1]) / fine;
       PetscCall(ShapeStep(scene, s[i - 1] + k * h, h, t, &at));
     }
-    if (i >= rod->first)
-      InitialNode(n, place, turn, i * fine, &at, -force[i], &nodes[i - rod->first]);
+    if (i >= from) InitialNode(n, place, turn, i * fine, &at, -force[i], &nodes[i - from]);
   }
   PetscCall(PetscFree3(force, place, turn));
+  PetscFunctionReturn(0);
+}
+
+/* SpaceInitial - the scene's initial shape at the owned nodes; see RodInitialNodes(). Every rank
+   goes along the whole rod, in steps that are much shorter than its cells. */
+PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
+  PetscInt *which, cells;
+  PetscReal *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(rod->last + 1, &s, rod->last + 1, &which));
+  cells = Distinct(rod->last, rod->scene->mesh.s, s, which);
+  PetscCall(
+      ShapeAtLabels(rod->scene, t, cells, s, which[rod->first], which[rod->end - 1] + 1, nodes));
+  for (PetscInt i = rod->end - 1; i >= rod->first; i--) /* (on one rank, if any is there twice) */
+    if (which[i] < i) nodes[i - rod->first] = nodes[which[i] - which[rod->first]];
+  PetscCall(PetscFree2(s, which));
   PetscFunctionReturn(0);
 }

@@ -1,4 +1,5 @@
 #include "rod/spin_rest.h"
+#include "base/plane.h"
 #include "rod/rules.h"
 
 /*
@@ -22,10 +23,10 @@ typedef struct {
    along s. */
 void SpinTurn(const SpinPlace *place, PetscReal turn, PetscReal slope, PetscReal u[3]) {
   const PetscReal c = PetscCosReal(turn), s = PetscSinReal(turn);
+  const Vector2 across = From2(place->u + 1);
 
   u[0] = place->u[0] + slope / place->g;
-  u[1] = place->u[1] * c + place->u[2] * s;
-  u[2] = place->u[2] * c - place->u[1] * s;
+  Put2(Along2(Times2(c, across), -s, Left2(across)), u + 1);
 }
 
 /* The energy at phi, its slope, and its second derivatives. */

@@ -10,7 +10,7 @@
   shorter that does not become less. (Moments and forces may be off: nothing holds them back.)
 */
 static PetscErrorCode Fit(Rod rod, PetscReal t, Vec U) {
-  const PetscInt fields = rod->model->fields, places = rod->model->space ? 3 : 2,
+  const PetscInt fields = rod->model->fields, places = RodDims(rod->model),
                  n = rod->end - rod->first;
   RodState at = {.t = t, .U = U};
   PetscReal *off;

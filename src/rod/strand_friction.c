@@ -42,7 +42,7 @@ static FrictionDual *DualOf(const struct _Strands *self, const Pair *pair) {
 
 /* w and its power, of the slip and of what its dual holds. */
 static void RubOf(const struct _Strands *self, Pair *pair) {
-  const PetscReal w = ContactRub(self->contact, pair->slip, DualOf(self, pair), &pair->w_slip);
+  const PetscReal w = ContactRub(pair->contact, pair->slip, DualOf(self, pair), &pair->w_slip);
 
   pair->w[0] = -w * pair->n[1];
   pair->w[1] = w * pair->n[0];
@@ -58,7 +58,7 @@ static void RubInPlane(const struct _Strands *self, Pair *pair, const CurveMotio
 
 /* Brings the dual of a pair up to its slip. */
 static void Advance(const struct _Strands *self, Pair *pair, PetscBool fresh) {
-  FrictionFollow(1, &self->contact->rub, &pair->slip, fresh, DualOf(self, pair));
+  FrictionFollow(1, &pair->contact->rub, &pair->slip, fresh, DualOf(self, pair));
   RubOf(self, pair);
 }
 
@@ -66,22 +66,23 @@ static void Advance(const struct _Strands *self, Pair *pair, PetscBool fresh) {
 static void SlopeInPlane(const struct _Strands *self, Pair *pair, PetscBool fresh,
                          const CurveMotion motion[2], PairSlope *by) {
   enum { CELL = 2 * 3 };
-  const PetscReal t[2] = {-pair->n[1], pair->n[0]},
-                  V[2] = {motion[0].v[0] - motion[1].v[0], motion[0].v[1] - motion[1].v[1]};
+  const Vector2 t = Left2(From2(pair->n)), V = Minus2(From2(motion[0].v), From2(motion[1].v)),
+                slides = From2(motion[1].v_z);
   PetscReal w;
-  CurveBy skip, v[2];
+  CurveBy skip, at, foot;
 
   Advance(self, pair, fresh);
-  w = pair->w[0] * t[0] + pair->w[1] * t[1];
-  MotionBy(2, self, &pair->at, &motion[0], skip, v[0]);
-  MotionBy(2, self, &pair->foot, &motion[1], skip, v[1]);
+  w = Dot2(From2(pair->w), t);
+  MotionBy(2, self, &pair->at, &motion[0], skip, at);
+  MotionBy(2, self, &pair->foot, &motion[1], skip, foot);
   for (int f = 0; f < 2 * CELL; f++) {
-    const int of_foot = f >= CELL, g = f % CELL;
-    const PetscReal dt[2] = {-by->n[1][f], by->n[0][f]};
-    PetscReal slip = V[0] * dt[0] + V[1] * dt[1];
-    for (int d = 0; d < 2; d++)
-      slip += t[d] * ((of_foot ? -1 : 1) * v[of_foot][d][g] - motion[1].v_z[d] * by->z[f]);
-    for (int d = 0; d < 2; d++) by->w[d][f] = w * dt[d] + pair->w_slip * t[d] * slip;
+    const Vector2 dt = Left2(Column2(by->n[0], STRAND_UNKNOWNS, f)),
+                  v = f < CELL ? Column2(at[0], 2 * CURVE_NODE, f)
+                               : Times2(-1, Column2(foot[0], 2 * CURVE_NODE, f - CELL)),
+                  moves = Along2(v, -by->z[f], slides);
+    const PetscReal slip = Dot2(V, dt) + t.x * moves.x + t.y * moves.y;
+    by->w[0][f] = w * dt.x + pair->w_slip * t.x * slip;
+    by->w[1][f] = w * dt.y + pair->w_slip * t.y * slip;
   }
 }
 
@@ -104,7 +105,7 @@ PetscErrorCode StrandsHold(Strands self, PetscReal seen, PetscReal *creep) {
     const Pair *pair = &self->pair[k];
     if (!pair->active || pair->p == 0) continue;
     *creep =
-        LargerOf(*creep, PetscMin(1, self->contact->friction * pair->p) *
+        LargerOf(*creep, PetscMin(1, pair->contact->friction * pair->p) *
                              FrictionHold(1, &pair->slip, seen, friction_hold, DualOf(self, pair)));
   }
   PetscFunctionReturn(0);
@@ -137,7 +138,7 @@ static void TurningOf(const struct _Strands *self, const Spot *spot, const Curve
 
   for (int d = 0; d < 3; d++) turning->t[d] = motion->t[d];
   Cross3(turning->t, n, turning->a);
-  for (int d = 0; d < 3; d++) turning->a[d] *= -self->contact->diameter / 2;
+  for (int d = 0; d < 3; d++) turning->a[d] *= -StrandOf(self, spot->cell)->contact->diameter / 2;
   turning->spin = (1 - z) * a->spin + z * b->spin;
   turning->spin_z = b->spin - a->spin;
   if (motion->c == 0) return;
@@ -159,7 +160,7 @@ static void RubInSpace(const struct _Strands *self, Pair *pair, const CurveMotio
     TurningOf(self, spot[k], &motion[k], pair->n, turning);
     for (int d = 0; d < 3; d++) pair->V[d] += turning->spin * turning->a[d];
   }
-  FrictionForce(RUBS, &self->contact->rub, pair->V, &pair->dual, w);
+  FrictionForce(RUBS, &pair->contact->rub, pair->V, &pair->dual, w);
   for (int d = 0; d < 3; d++) pair->w[d] = w[d];
   pair->rubs = Dot3(pair->w, pair->V);
 }
@@ -168,12 +169,13 @@ static void RubInSpace(const struct _Strands *self, Pair *pair, const CurveMotio
 static PetscReal TwistSlope(const struct _Strands *self, PetscInt cell, int f) {
   const Joint *a = self->joint + cell, *b = a + 1, *at = f < STRAND_NODE ? a : b;
   const int j = f % STRAND_NODE - 3;
-  const PetscReal *p = a->p, *q = b->p, size = PetscSqrtReal(a->size * b->size),
-                  length = self->arc[cell + 1] - self->arc[cell];
-  const PetscReal by[2][4] = {{q[1], -q[0], -q[3], q[2]}, {-p[1], p[0], p[3], -p[2]}};
+  const PetscReal size = PetscSqrtReal(a->size * b->size),
+                  length = self->arc[cell + 1] - self->arc[cell], sign = at == b ? 1 : -1;
+  PetscReal by[4];
 
   if (j < 0) return 0;
-  return 2 / (size * length) * by[at == b][j] - TwistOf(self, cell) * at->p[j] / at->size;
+  SpinForm(at == b ? a->p : b->p, by);
+  return 2 / (size * length) * (sign * by[j]) - TwistOf(self, cell) * at->p[j] / at->size;
 }
 
 enum { CELL = 2 * STRAND_NODE };
@@ -187,14 +189,14 @@ static void TurningSlope(const struct _Strands *self, const Pair *pair, int whic
                          const CurveMotion *motion, CurveBy t_by, PairSlope *by) {
   const Spot *spot = which ? &pair->foot : &pair->at;
   const Turning *turning = &pair->turning[which];
-  const PetscReal half = self->contact->diameter / 2, z = spot->on.z;
+  const PetscReal half = StrandOf(self, spot->cell)->contact->diameter / 2, z = spot->on.z;
   const Joint *joint = self->joint + spot->cell;
 
   for (int f = 0; f < STRAND_UNKNOWNS; f++) {
     const int g = f % CELL, end = g / STRAND_NODE, j = g % STRAND_NODE - 3;
     const PetscBool own = (PetscBool)((f >= CELL) == which);
-    const PetscReal dn[3] = {by->n[0][f], by->n[1][f], by->n[2][f]};
-    PetscReal dt[3], turned[3], leaned[3], spin = 0;
+    PetscReal dn[3], dt[3], turned[3], leaned[3], spin = 0;
+    Column3(by->n[0], STRAND_UNKNOWNS, f, dn);
     for (int d = 0; d < 3; d++)
       dt[d] = (own ? t_by[d][g] : 0) + (which ? motion->t_z[d] * by->z[f] : 0);
     Cross3(dt, pair->n, turned);
@@ -223,18 +225,20 @@ static void SlopeInSpace(const struct _Strands *self, Pair *pair, PetscBool fres
   MotionBy(3, self, &pair->foot, &motion[1], t_by[1], v_by[1]);
   for (int f = 0; f < STRAND_UNKNOWNS; f++) {
     const int of_foot = f >= CELL, g = f % CELL;
-    PetscReal dv[3], dn[3] = {by->n[0][f], by->n[1][f], by->n[2][f]}, along;
+    PetscReal dv[3], dn[3], along;
+    Column3(by->n[0], STRAND_UNKNOWNS, f, dn);
     for (int d = 0; d < 3; d++)
       dv[d] = (of_foot ? -v_by[1][d][g] : v_by[0][d][g]) - motion[1].v_z[d] * by->z[f];
     along = Dot3(pair->n, dv) + Dot3(v, dn);
     for (int d = 0; d < 3; d++) by->slip[d][f] = dv[d] - pair->n[d] * along - dn[d] * normal;
   }
   for (int k = 0; k < 2; k++) TurningSlope(self, pair, k, &motion[k], t_by[k], by);
-  FrictionLinearise(RUBS, &self->contact->rub, pair->V, fresh, &pair->dual, pair->by);
-  for (int d = 0; d < 3; d++)
-    for (int f = 0; f < STRAND_UNKNOWNS; f++)
-      by->w[d][f] = pair->by[d][0] * by->slip[0][f] + pair->by[d][1] * by->slip[1][f] +
-                    pair->by[d][2] * by->slip[2][f];
+  FrictionLinearise(RUBS, &pair->contact->rub, pair->V, fresh, &pair->dual, pair->by);
+  for (int f = 0; f < STRAND_UNKNOWNS; f++) {
+    PetscReal slip[3];
+    Column3(by->slip[0], STRAND_UNKNOWNS, f, slip);
+    for (int d = 0; d < 3; d++) by->w[d][f] = Dot3(pair->by[d], slip);
+  }
 }
 
 /* ---- */
@@ -246,6 +250,18 @@ void PairRub(const struct _Strands *self, Pair *pair) {
   MotionOf(self, &pair->at, &motion[0]);
   MotionOf(self, &pair->foot, &motion[1]);
   (self->dims == 2 ? RubInPlane : RubInSpace)(self, pair, motion);
+}
+
+/* PairFootPower - that of the force on a foot in space, and of the couple that goes with it, f
+   being the force on the sample: per length of that. */
+PetscReal PairFootPower(const struct _Strands *self, const Pair *pair, const PetscReal f[3],
+                        const PetscReal on_foot[3]) {
+  const Turning *turning = &pair->turning[1];
+  CurveMotion motion;
+
+  MotionOf(self, &pair->foot, &motion);
+  return Dot3(on_foot, motion.v) +
+         (pair->contact->friction > 0 ? Dot3(turning->a, f) * turning->spin : 0);
 }
 
 /* PairRubSlope - how w of PairRub() changes, of a pair whose places do as `by` says; what Newton's

@@ -59,7 +59,7 @@ static PetscErrorCode SizesNow(Leg *leg, PetscInt k, PetscReal t, PetscReal leas
   PetscFunctionBegin;
   PetscCall(RodPartOpenRead(leg->rod, k, leg->U, &U));
   PetscCall(RodFeelWalls(rod, t, U));
-  PetscCall(RodFieldScales(rod, U, leg->turns ? of->axes : NULL, of->size));
+  PetscCall(RodFieldScales(rod, U, leg->turns ? &of->axis : NULL, of->size));
   PetscCall(RodBlurred(rod, U, blurred));
   PetscCall(RodPartCloseRead(leg->rod, k, leg->U, &U));
   for (int d = 0; d < MIRRORS; d++) least[d] = PetscMax(least[d], blurred[d]);
@@ -165,10 +165,10 @@ static PetscErrorCode Reaches(Leg *leg, PetscInt k, PetscReal t, Vec U, PetscBoo
 
   PetscFunctionBegin;
   PetscCall(RodPartOpenRead(leg->rod, k, U, &part));
-  PetscCall(RodSizesAlong(rod, part, of->axes, of->tried));
+  PetscCall(RodSizesAlong(rod, part, of->axis, of->tried));
   PetscCall(RodPartCloseRead(leg->rod, k, U, &part));
   PetscCall(RodLength(rod, t, &length));
-  *too_far = (PetscBool) !(RodEndsOf(rod).begins_free ||
+  *too_far = (PetscBool) !(RodEndsOf(rod).begins_free || RodEndsOf(rod).carried ||
                            RodReach(rod->model, of->tried) <= step_rule.reach_slack * length);
   PetscFunctionReturn(0);
 }
@@ -221,7 +221,7 @@ static PetscErrorCode TurnError(TS ts, Vec error) {
   PetscCall(TSGetApplicationContext(ts, &leg));
   for (PetscInt k = 0; k < leg->rod->rods; k++) {
     PetscCall(RodPartOpen(leg->rod, k, error, &part));
-    PetscCall(RodTurn(leg->rod->each[k], leg->of[k].axes, part));
+    PetscCall(RodTurn(leg->rod->each[k], leg->of[k].axis, part));
     PetscCall(RodPartClose(leg->rod, k, error, &part));
   }
   PetscFunctionReturn(0);
@@ -255,7 +255,7 @@ static PetscErrorCode CarryAlong(TS ts) {
 /* Errors of fields across are measured along axes of their own, if the stepper can. */
 static PetscErrorCode MeasureAlongAxes(Leg *leg) {
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < leg->rod->rods; k++) leg->of[k].axes[0] = 1;
+  for (PetscInt k = 0; k < leg->rod->rods; k++) leg->of[k].axis.x = 1;
   PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &leg->turns));
   if (!leg->rod->model->pairs) leg->turns = PETSC_FALSE;
   if (leg->turns) PetscCall(VBDFSetMeasure(leg->ts, TurnError));

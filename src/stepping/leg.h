@@ -16,7 +16,7 @@ typedef struct {
 typedef struct {
   PetscReal size[MAX_FIELDS];  /* of the fields, to which the tolerance of this step refers */
   PetscReal tried[MAX_FIELDS]; /* where its latest try has led */
-  PetscReal axes[2];           /* along which those of this step are (rod/sizes.c) */
+  Vector2 axis;                /* along which those of this step are (rod/sizes.c) */
   PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
 } LegMeasure;
 

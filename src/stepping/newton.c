@@ -11,14 +11,15 @@
    axes of the state: they do not see each other on the straight rod, and one may be 1e-16 times
    another. */
 static PetscErrorCode AddResiduals(Rod rod, Vec U, Vec F, PetscReal residual[GROUPS]) {
-  PetscReal size[MAX_FIELDS], axes[2] = {1, 0};
+  PetscReal size[MAX_FIELDS];
+  Vector2 axis = {1, 0};
 
   PetscFunctionBegin;
   if (rod->model->pairs) {
     PetscCall(RodFieldSizes(rod, U, size));
-    PetscCall(RodAxes(rod, U, size, axes));
+    PetscCall(RodAxes(rod, U, size, &axis));
   }
-  PetscCall(RodSizesAlong(rod, F, axes, size));
+  PetscCall(RodSizesAlong(rod, F, axis, size));
   for (PetscInt f = 0; f < rod->model->fields; f++)
     residual[rod->model->group[f]] =
         PetscMax(residual[rod->model->group[f]], size[f] / RodFieldUnit(rod, f));
@@ -59,12 +60,13 @@ static void LeaveRoundOff(const Rod rod, PetscReal size[MAX_FIELDS]) {
    straight rod's x2) has converged when its update is 0. */
 static PetscErrorCode AddUpdates(Rod rod, Vec U, Vec dU, PetscReal weight, PetscReal update[GROUPS],
                                  PetscReal *followed) {
-  PetscReal size[MAX_FIELDS], change[MAX_FIELDS], axes[2];
+  PetscReal size[MAX_FIELDS], change[MAX_FIELDS];
+  Vector2 axis;
 
   PetscFunctionBegin;
-  PetscCall(RodFieldScales(rod, U, axes, size));
+  PetscCall(RodFieldScales(rod, U, &axis, size));
   LeaveRoundOff(rod, size);
-  PetscCall(RodSizesAlong(rod, dU, axes, change));
+  PetscCall(RodSizesAlong(rod, dU, axis, change));
   for (PetscInt f = 0; f < rod->model->fields; f++)
     if (change[f] != 0) {
       PetscReal r = change[f] / PetscMax(size[f], rod_rule.vanished),
@@ -452,7 +454,8 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
 }
 
 /* The matrix of a rod on one rank that touches itself, or of several that feel each other, and its
-   solver. What holds a tip may leave that node's own block singular. */
+   solver. What holds a tip, or lets a beginning give way, may leave that node's own block singular.
+ */
 static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
   const Rod rod = newton->rod;
   PetscInt *late, n = 0;
@@ -460,9 +463,11 @@ static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc1(rod->rods, &late));
-  for (PetscInt k = 0; k < rod->rods; k++)
+  PetscCall(PetscMalloc1(2 * rod->rods, &late));
+  for (PetscInt k = 0; k < rod->rods; k++) {
     if (RodEndsOf(rod->each[k]).tip_held) late[n++] = rod->at ? rod->at[k + 1] - 1 : rod->last;
+    if (rod->at && RodEndsOf(rod->each[k]).gives_way) late[n++] = rod->at[k];
+  }
   PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields, n, late, &newton->J));
   PetscCall(PetscFree(late));
   PetscCall(SolverOf(ts, &ksp, &pc));

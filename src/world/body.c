@@ -1,4 +1,5 @@
 #include "world/body.h"
+#include "base/vectors.h"
 #include "base/even.h"
 #include "base/hdf.h"
 
@@ -23,11 +24,11 @@ struct _Body {
 static void Evaluate(const struct _Body *self, const PetscReal at[SPACE], PetscReal *value,
                      PetscReal slope[SPACE], PetscReal curve[6]) {
   const PetscInt row = self->n[0] + 2, sheet = row * (self->n[1] + 2);
-  EvenSplines e[SPACE];
+  EvenSplines e[SPACE], *up = &e[SPACE - 1];
   const PetscReal *c;
 
   for (int d = 0; d < SPACE; d++) EvenEvaluate(self->n[d], at[d], &e[d]);
-  c = self->c + (size_t)e[2].first * (size_t)sheet + (size_t)(e[1].first * row + e[0].first);
+  c = self->c + (size_t)up->first * (size_t)sheet + (size_t)(e[1].first * row + e[0].first);
   *value = 0;
   for (int d = 0; d < SPACE; d++) slope[d] = 0;
   for (int k = 0; k < 6; k++) curve[k] = 0;
@@ -48,16 +49,16 @@ static void Evaluate(const struct _Body *self, const PetscReal at[SPACE], PetscR
       v12 += e[1].slope[j] * f1;
       v22 += e[1].curve[j] * f;
     }
-    *value += e[2].value[k] * v;
-    slope[0] += e[2].value[k] * v1;
-    slope[1] += e[2].value[k] * v2;
-    slope[2] += e[2].slope[k] * v;
-    curve[0] += e[2].value[k] * v11;
-    curve[1] += e[2].value[k] * v12;
-    curve[2] += e[2].slope[k] * v1;
-    curve[3] += e[2].value[k] * v22;
-    curve[4] += e[2].slope[k] * v2;
-    curve[5] += e[2].curve[k] * v;
+    *value += up->value[k] * v;
+    slope[0] += up->value[k] * v1;
+    slope[1] += up->value[k] * v2;
+    slope[2] += up->slope[k] * v;
+    curve[0] += up->value[k] * v11;
+    curve[1] += up->value[k] * v12;
+    curve[2] += up->slope[k] * v1;
+    curve[3] += up->value[k] * v22;
+    curve[4] += up->slope[k] * v2;
+    curve[5] += up->curve[k] * v;
   }
 }
 
@@ -181,7 +182,7 @@ static PetscReal Largest(const PetscReal a[SPACE][SPACE]) {
   const PetscReal mean = (a[0][0] + a[1][1] + a[2][2]) / 3,
                   b[SPACE] = {a[0][0] - mean, a[1][1] - mean, a[2][2] - mean};
   const PetscReal off = PetscSqr(a[0][1]) + PetscSqr(a[0][2]) + PetscSqr(a[1][2]),
-                  size = PetscSqrtReal((b[0] * b[0] + b[1] * b[1] + b[2] * b[2] + 2 * off) / 6);
+                  size = PetscSqrtReal((Dot3(b, b) + 2 * off) / 6);
   PetscReal half;
 
   if (size == 0) return mean;
@@ -205,17 +206,16 @@ static PetscErrorCode CheckDistance(Body self, const char *what, const char *fil
     for (PetscInt j = 0; j < self->n[1]; j++)
       for (PetscInt i = 0; i < self->n[0]; i++) {
         const PetscReal *v = values + (size_t)k * sheet + (size_t)j * row + i;
-        const PetscReal x[SPACE] = {self->origin[0] + i * self->spacing[0],
-                                    self->origin[1] + j * self->spacing[1],
-                                    self->origin[2] + k * self->spacing[2]};
+        const PetscInt at[SPACE] = {i, j, k};
+        PetscReal x[SPACE];
         SurfacePoint point;
+        for (int d = 0; d < SPACE; d++) x[d] = self->origin[d] + at[d] * self->spacing[d];
         self->core = PetscMax(self->core, -self->sign * *v);
         if (!((i + 1 < self->n[0] && v[0] * v[1] <= 0) ||
               (j + 1 < self->n[1] && v[0] * v[row] <= 0)))
           continue;
         if (!BodyAt(self, x, PETSC_MAX_REAL, &point)) continue;
-        sum += PetscSqrtReal(PetscSqr(point.normal[0]) + PetscSqr(point.normal[1]) +
-                             PetscSqr(point.normal[2]));
+        sum += Size3(point.normal);
         count++;
         bend = Largest((const PetscReal(*)[SPACE])point.bend);
         if (bend > 0) /* of the surface, not of the one that is parallel to it here */

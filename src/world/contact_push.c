@@ -103,8 +103,9 @@ static const Touch *Faced(const Touch *touch, Touch *room) {
   *room = *touch;
   for (int d = 0; d < 3; d++) room->normal[d] /= touch->steep;
   for (int c = 0; c < 3; c++) {
-    const PetscReal by[3] = {touch->bend[0][c], touch->bend[1][c], touch->bend[2][c]},
-                    along = Dot3(room->normal, by);
+    PetscReal by[3], along;
+    Column3(touch->bend[0], 3, c, by);
+    along = Dot3(room->normal, by);
     for (int d = 0; d < 3; d++) room->bend[d][c] = (by[d] - room->normal[d] * along) / touch->steep;
   }
   return room;
@@ -188,9 +189,10 @@ static void SlipSlope(const Contact *contact, const Touch *touch, const Rubbed *
   along = Dot3(n, v);
 
   for (int c = 0; c < 3; c++) {
-    const PetscReal H[3] = {touch->bend[0][c], touch->bend[1][c], touch->bend[2][c]},
-                    e[3] = {c == 0, c == 1, c == 2}, by_v = Dot3(H, v);
-    PetscReal turned[3], other[3];
+    const PetscReal e[3] = {c == 0, c == 1, c == 2};
+    PetscReal H[3], turned[3], other[3], by_v;
+    Column3(touch->bend[0], 3, c, H);
+    by_v = Dot3(H, v);
     Cross3(at->q, H, turned);
     Cross3(n, e, other);
     for (int d = 0; d < 3; d++) {
@@ -199,8 +201,8 @@ static void SlipSlope(const Contact *contact, const Touch *touch, const Rubbed *
       u_x[d][c] = -along * H[d] - n[d] * by_v + at->spin * a_x[d][c];
     }
     if (touch->moves) {
-      const PetscReal moved[3] = {touch->v_x[0][c], touch->v_x[1][c], touch->v_x[2][c]};
-      PetscReal slips[3];
+      PetscReal moved[3], slips[3];
+      Column3(touch->v_x[0], 3, c, moved);
       Tangential(n, moved, slips);
       for (int d = 0; d < 3; d++) u_x[d][c] -= slips[d];
     }
@@ -227,9 +229,8 @@ static void RubSlope(const Contact *contact, const Touch *touch, const Rubbed *a
   for (int d = 0; d < 3; d++) {
     const PetscReal normal = Dot3(S[d], n);
     for (int c = 0; c < 3; c++) {
-      const PetscReal by_x = S[d][0] * u_x[0][c] + S[d][1] * u_x[1][c] + S[d][2] * u_x[2][c],
-                      by_q = at->spin *
-                             (S[d][0] * a_q[0][c] + S[d][1] * a_q[1][c] + S[d][2] * a_q[2][c]);
+      const PetscReal by_x = ColumnDot3(u_x[0], 3, c, S[d]),
+                      by_q = at->spin * ColumnDot3(a_q[0], 3, c, S[d]);
       push->x[d][c] -= mu * (p_x[c] * w[d] + p * by_x);
       push->q[d][c] -= mu * p * by_q;
       push->W[d][c] -= mu * p * (S[d][c] - normal * n[c]);

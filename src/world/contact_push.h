@@ -19,6 +19,7 @@
 #ifndef TENDRIL_CONTACT_PUSH_H
 #define TENDRIL_CONTACT_PUSH_H
 
+#include "base/vectors.h"
 #include "world/contact.h"
 
 /* What touches a point of the rod, in the clamp's frame. */
@@ -56,8 +57,9 @@ typedef struct {
 static inline void ContactFace(Vector2 n, PetscReal curvature, Touch *touch) {
   const PetscReal t[3] = {-n.y, n.x, 0};
 
+  Zero3(touch->v);
+  Zero3(touch->normal);
   Put2(n, touch->normal);
-  touch->normal[2] = touch->v[2] = 0;
   touch->curvature = curvature;
   touch->steep = 1;
   for (int d = 0; d < 3; d++)

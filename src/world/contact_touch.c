@@ -2,11 +2,6 @@
 #include "world/contact_push.h"
 #include "base/vectors.h"
 
-/* y = M^T x */
-static void TurnBack(const PetscReal M[3][3], const PetscReal x[3], PetscReal y[3]) {
-  for (int d = 0; d < 3; d++) y[d] = M[0][d] * x[0] + M[1][d] * x[1] + M[2][d] * x[2];
-}
-
 /*
   ContactSetFrame - tells contact how a rod in space stands to what is around it.
 
@@ -65,8 +60,8 @@ static void Moves(const Contact *self, PetscInt which, const PetscReal y[3],
 
   for (int d = 0; d < 3; d++) foot[d] = y[d] - point->distance * point->normal[d];
   SurfacesVelocity(&self->surfaces, which, foot, v, spin);
-  TurnBack(self->lab, v, t->v);
-  TurnBack(self->lab, spin, turning);
+  TurnBack3(self->lab, v, t->v);
+  TurnBack3(self->lab, spin, turning);
   for (int c = 0; c < 3; c++) {
     PetscReal way[3], by[3];
     for (int d = 0; d < 3; d++)
@@ -89,8 +84,8 @@ static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
                  ? PetscSqrtReal(Dot3(point->normal, point->normal))
                  : 1;
   t->moves = self->surfaces.surface[which].motion.any;
-  TurnBack(self->lab, point->normal, t->normal);
-  for (int d = 0; d < 3; d++) TurnBack(self->lab, point->bend[d], part[d]);
+  TurnBack3(self->lab, point->normal, t->normal);
+  for (int d = 0; d < 3; d++) TurnBack3(self->lab, point->bend[d], part[d]);
   for (int d = 0; d < 3; d++)
     for (int c = 0; c < 3; c++)
       t->bend[d][c] = self->lab[0][d] * part[0][c] + self->lab[1][d] * part[1][c] +
@@ -119,8 +114,8 @@ static void TouchWall(const Contact *self, PetscInt wall, Vector2 n, PetscReal b
   touch->wall = self->surfaces.n + wall;
   touch->steep = 1;
   touch->moves = PETSC_FALSE;
-  TurnBack(self->upright, normal, touch->normal);
-  TurnBack(self->upright, across, t);
+  TurnBack3(self->upright, normal, touch->normal);
+  TurnBack3(self->upright, across, t);
   for (int d = 0; d < 3; d++)
     for (int c = 0; c < 3; c++) touch->bend[d][c] = bend * t[d] * t[c];
 }

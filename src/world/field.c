@@ -1,4 +1,5 @@
 #include "world/field.h"
+#include "base/vectors.h"
 #include "base/band.h"
 #include "base/bspline.h"
 #include "base/hdf.h"
@@ -91,7 +92,7 @@ static PetscReal SmoothStep(PetscReal u, PetscReal *slope) {
 
 static void LayersAt(Field self, PetscReal x1, PetscReal *factor, PetscReal slope[3]) {
   *factor = self->factor[0];
-  slope[0] = slope[1] = slope[2] = 0;
+  Zero3(slope);
   for (PetscInt k = 1; k < self->layers; k++) {
     PetscReal step, rise = self->factor[k] - self->factor[k - 1];
     *factor += rise * SmoothStep((x1 - self->start[k]) / self->width, &step);
@@ -178,7 +179,8 @@ static void TableAt(Field self, const PetscReal x[3], PetscReal t, PetscReal *fa
     m[a] = Size(&self->axis[a]);
     WeightsAt(&self->axis[a], at[a], &w[a]);
   }
-  *factor = slope[0] = slope[1] = slope[2] = 0;
+  *factor = 0;
+  Zero3(slope);
   for (PetscInt i = 0; i < w[TIME].n * w[HIGH].n; i++) {
     const PetscInt in_time = i / w[HIGH].n, high = i % w[HIGH].n;
     const PetscReal both = w[TIME].value[in_time] * w[HIGH].value[high];

@@ -93,9 +93,8 @@ PetscReal LoadFactor(const Load *load, const PetscReal x[3], PetscReal t, PetscR
   if (!load->field) return load->factor;
   for (int d = 0; d < 3; d++) lab[d] = Dot3(load->lab[d], x) + load->place[d];
   FieldAt(load->field, lab, t, &factor, by);
-  for (int d = 0; d < 3; d++)
-    slope[d] = load->factor *
-               (load->lab[0][d] * by[0] + load->lab[1][d] * by[1] + load->lab[2][d] * by[2]);
+  TurnBack3(load->lab, by, slope);
+  for (int d = 0; d < 3; d++) slope[d] *= load->factor;
   return load->factor * factor;
 }
 
@@ -151,7 +150,8 @@ static void VarySlopeInSpace(const Load *load, const Place *at, const PetscReal 
   PetscReal by[3], N = FactorAt(load, at, by), f[RUBS], along;
 
   for (int c = 0; c < RUBS; c++) {
-    const PetscReal column[3] = {slope->W[0][c], slope->W[1][c], slope->W[2][c]};
+    PetscReal column[3];
+    Column3(slope->W[0], RUBS, c, column);
     along = (1 - a) * Dot3(q, column);
     for (int d = 0; d < 3; d++) slope->W[d][c] = N * (a * slope->W[d][c] + along * q[d]);
     slope->W[SPIN][c] *= N;

@@ -1,4 +1,5 @@
 #include "world/motion.h"
+#include "base/vectors.h"
 #include "base/extremes.h"
 #include <ctype.h>
 #include <stdarg.h>
@@ -89,8 +90,7 @@ static PetscErrorCode TakeAxis(const Said *said, char *word[], SurfaceMotion *mo
     PetscCall(OptionQuantity(said->what, word[d], UNIT_LENGTH, &motion->at[d]));
     PetscCall(OptionQuantity(said->what, word[3 + d], UNIT_NONE, &motion->axis[d]));
   }
-  size = PetscSqrtReal(motion->axis[0] * motion->axis[0] + motion->axis[1] * motion->axis[1] +
-                       motion->axis[2] * motion->axis[2]);
+  size = Size3(motion->axis);
   UserCheck(size > 0, OptionsComm(), "%s: its axis has no direction", said->what);
   for (int d = 0; d < 3; d++) motion->axis[d] /= size;
   PetscFunctionReturn(0);
@@ -305,7 +305,7 @@ PetscErrorCode MotionText(const SurfaceMotion *motion, char **text) {
   } else if (motion->led) {
     PetscCall(Add(&said, " moves at"));
     PetscCall(AddRows(&said, 3, motion->place));
-  } else if (v[0] != 0 || v[1] != 0 || v[2] != 0) {
+  } else if (Dot3(v, v) > 0) {
     PetscCall(Add(&said, " moves"));
     PetscCall(AddThree(&said, v));
   }

@@ -1,4 +1,5 @@
 #include "world/path.h"
+#include "base/vectors.h"
 #include "base/knots.h"
 #include "base/monotone.h"
 #include "base/quaternion.h"
@@ -212,12 +213,11 @@ static void Said(const Path self, PetscReal t, PathPlace *place) {
   PetscReal x[3], q[4] = {1, 0, 0, 0}, p[4];
 
   for (int d = 0; d < 3; d++) {
-    x[d] =
-        lab[d][0] * self->start.x[0] + lab[d][1] * self->start.x[1] + lab[d][2] * self->start.x[2];
+    x[d] = Dot3(lab[d], self->start.x);
     if (self->value[PATH_X1 + d]) x[d] = Value(self, PATH_X1 + d, t);
   }
-  for (int d = 0; d < 3; d++) place->x[d] = lab[0][d] * x[0] + lab[1][d] * x[1] + lab[2][d] * x[2];
-  *place = (PathPlace){.x = {place->x[0], place->x[1], place->x[2]}, .angle = self->start.angle};
+  *place = (PathPlace){.angle = self->start.angle};
+  TurnBack3(lab, x, place->x);
   if (self->value[PATH_ANGLE]) {
     PetscReal angle = Value(self, PATH_ANGLE, t);
     place->angle = angle - atan2(lab[1][0], lab[0][0]);

@@ -257,8 +257,7 @@ PetscErrorCode SurfacesText(const Surfaces *self, char **text) {
 
 /* v turned about the axis by an angle (Rodrigues). */
 static void Turned(const PetscReal a[3], PetscReal angle, const PetscReal v[3], PetscReal w[3]) {
-  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle),
-                  along = (1 - c) * (a[0] * v[0] + a[1] * v[1] + a[2] * v[2]);
+  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle), along = (1 - c) * Dot3(a, v);
   PetscReal across[3];
 
   Cross3(a, v, across);
@@ -282,7 +281,8 @@ static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const voi
   Turned(m->axis, angle, given.normal, point->normal);
   for (int d = 0; d < 3; d++) Turned(m->axis, angle, given.bend[d], H[d]); /* rows: H R^T */
   for (int c = 0; c < 3; c++) {
-    const PetscReal column[3] = {H[0][c], H[1][c], H[2][c]};
+    PetscReal column[3];
+    Column3(H[0], 3, c, column);
     Turned(m->axis, angle, column, part);
     for (int d = 0; d < 3; d++) point->bend[d][c] = part[d];
   }

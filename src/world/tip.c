@@ -154,11 +154,16 @@ void TipForce(int dims, const Tip *tip, const TipState *at, const FrictionDual *
   (void)TipWalls(dims, tip, at, dual, f);
 }
 
+/* Where it was at the start. */
+static void AtStart(const Tip *tip, PathPlace *start) {
+  start->angle = tip->theta;
+  memcpy(start->x, tip->x, sizeof(start->x));
+  memcpy(start->p, tip->p, sizeof(start->p));
+}
+
 /* Where it is held at a time. */
 static void Held(const Tip *tip, PetscReal t, PathPlace *held) {
-  *held = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x[2]},
-                      .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
-                      .angle = tip->theta};
+  AtStart(tip, held);
   if (tip->path) PathAt(tip->path, t, held);
   for (int d = 0; d < 3; d++)
     if (tip->lead[d].on) held->x[d] = LeadValue(&tip->lead[d], t);
@@ -285,12 +290,16 @@ static void TurnFrom(const PetscReal held[4], const PetscReal p[4], PetscReal v[
 }
 
 /* TipResidual3 - the six conditions at the tip in space, r = 0: m = torque d1, or the frame it is
-   held at; n = f, or the place. */
+   held at; n = f, or the place. Of one that another rod holds they are not known here: 0. */
 void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual *dual,
                   PetscReal r[TIP_ROWS3]) {
   PetscReal f[RUBS] = {0, 0, 0, tip->torque};
   PathPlace held = {.angle = 0};
 
+  if (tip->type == TIP_CARRIED) {
+    memset(r, 0, TIP_ROWS3 * sizeof(*r));
+    return;
+  }
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
   if (!TipHolds(tip, 0)) TipForce(3, tip, at, dual, f);
   if (TipPoints(tip)) TurnFrom(held.p, at->p, r);
@@ -348,6 +357,7 @@ void TipJacobian3(const Tip *tip, const TipState *at, const PetscReal dW[RUBS][T
 
   for (int i = 0; i < TIP_ROWS3; i++)
     for (int j = 0; j < TIP_FIELDS3; j++) J[i][j] = 0;
+  if (tip->type == TIP_CARRIED) return;
   if (TipPoints(tip)) {
     Held(tip, at->at.t, &held);
     for (int k = 0; k < 4; k++) {
@@ -428,9 +438,7 @@ PetscErrorCode TipSetPath(Tip *tip, MPI_Comm comm, PetscReal length, const Petsc
   PetscFunctionBegin;
   if (!tip->path) PetscFunctionReturn(0);
   PetscCall(CheckSliding(tip, comm, lab));
-  start = (PathPlace){.x = {tip->x[0], tip->x[1], tip->x[2]},
-                      .p = {tip->p[0], tip->p[1], tip->p[2], tip->p[3]},
-                      .angle = tip->theta};
+  AtStart(tip, &start);
   PathBegin(tip->path, lab, &start, apart);
   UserCheck(apart[0] <= near * length, comm,
             "-tip_path: begins %g away from the tip, which is at (%g, %g, %g) of the clamp's frame "

@@ -88,7 +88,7 @@ static void TestSnap(void **state) {
 /* A place that is no number, on one rank, is seen by all. */
 static void TestSizes(void **state) {
   const RodModel *models[] = {&rod_frame, &rod_space};
-  const PetscReal axes[2] = {0.8, 0.6};
+  const Vector2 axis = {0.8, 0.6};
   PetscReal size[MAX_FIELDS];
   PetscScalar *u;
   Scene scene;
@@ -108,7 +108,7 @@ static void TestSizes(void **state) {
       CHECK(VecRestoreArray(U, &u));
       CHECK(RodFieldSizes(rod, U, size));
       EXPECT(size[0] == 1 && PetscIsInfOrNanReal(size[1]), "sizes %g, %g", size[0], size[1]);
-      CHECK(RodSizesAlong(rod, U, axes, size));
+      CHECK(RodSizesAlong(rod, U, axis, size));
       EXPECT(size[0] == 1 && PetscIsInfOrNanReal(size[1]), "sizes %g, %g", size[0], size[1]);
     }
     CHECK(VecDestroy(&U));
