@@ -6,13 +6,11 @@ always. Where lengths are far below 1, friction is nothing beside bending.
 
 import re
 import shlex
-import subprocess
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from held import HANG
 from scene import Run, broken, check, expect, file, pressed, read, tendril, walls
 
 import h5py
@@ -1132,8 +1130,7 @@ def a_rank_that_alone_sees_the_rod_behind_a_wall_ends_all():
     options = (LEANS + "-rod_curvature 0.01 -ts_max_time 4 -contact_stiffness 1e-3 -rod_cells 50 "
                "-contact_diameter 0.1 -contact_self " + walls("plane 2 0 -1 0"))
     for ranks in (2, 3):
-        done = subprocess.run([scene.MPIEXEC, "-n", str(ranks), scene.TENDRIL, *shlex.split(options)],
-                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=HANG)
+        done = scene.on_ranks(ranks, shlex.split(options))
         line = [k for k in done.stderr.splitlines() if k.startswith("tendril: ")]
         print(f"{ranks} ranks: {line}")
         expect(done.returncode != 0 and len(line) == 1 and "pass through itself or a wall" in line[0],
