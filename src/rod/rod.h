@@ -146,6 +146,13 @@ typedef struct {
   PetscErrorCode (*bears)(Rod, const RodState *, RodForces *);
 } RodModel;
 
+/* What strands do to one of several rods, at its points (rod/strands.h), and room for what its
+   cells have to say of that (rod/strand_rows.h); NULL: nothing. Borrowed. */
+typedef struct {
+  const PetscReal (*force)[3], (*couple)[3];
+  struct StrandCell_ *cells;
+} RodPushed;
+
 struct _Rod {
   const RodModel *model;
   Scene scene;
@@ -163,6 +170,7 @@ struct _Rod {
   PetscInt order;      /* of the error in space */
   PetscBool alone;     /* on one rank */
   PetscBool coupled;   /* nodes far from each other along the rod see each other */
+  RodPushed pushed;    /* by strands that are looked for among several rods */
   PetscInt memory;     /* reals a node that its Newton's method remembers; 0: none */
   Vector2 oblique;     /* how much so walls are that press: RodFeelWalls() */
   struct {

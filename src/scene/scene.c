@@ -291,9 +291,10 @@ static PetscErrorCode CheckClamp(Scene scene, PetscBool carried) {
   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
   SceneDestroy(), also after an error.
 
-  seat  where another rod carries it; NULL: none does
+  seat   where another rod carries it; NULL: none does
+  touch  it is one of several rods that may touch each other
 */
-PetscErrorCode SceneCreateOn(const Seat *seat, Scene *scene) {
+PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene) {
   PetscInt cells, grading;
   char text[2][64];
   Scene self;
@@ -325,7 +326,7 @@ PetscErrorCode SceneCreateOn(const Seat *seat, Scene *scene) {
   PetscCall(TropismSetFromOptions(&self->tropism, self->growth));
   if (self->growth->yield > 0) self->tropism.any = PETSC_TRUE; /* its material may learn */
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
-  PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
+  PetscCall(ContactSetFromOptions(&self->contact, touch, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
   SceneLinkWalls(self);
   PetscCall(
@@ -362,7 +363,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
               "%s: is of one of several rods; take it out, or write sections [rod NAME]",
               beside[k]);
   }
-  PetscCall(SceneCreateOn(NULL, scene));
+  PetscCall(SceneCreateOn(NULL, PETSC_FALSE, scene));
   PetscFunctionReturn(0);
 }
 

@@ -83,7 +83,7 @@ struct _Scene {
 extern const OptionGroup scene_options;
 
 PetscErrorCode SceneCreate(Scene *scene);
-PetscErrorCode SceneCreateOn(const Seat *seat, Scene *scene);
+PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
 PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);

@@ -79,7 +79,7 @@ def same(one, other, slides=False):
     return True
 
 
-MOST_WORDS = 9000 + 150 + 250 + 150  # of docs/theory, formulas with them; for what is steered or fed by a schedule, senses, yields
+MOST_WORDS = 9000 + 150 + 250 + 150 + 170  # of docs/theory, formulas with them; for what is steered or fed by a schedule, senses, yields, its modes
 
 
 def missing(text, names, source):

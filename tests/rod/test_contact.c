@@ -413,14 +413,14 @@ static PetscReal WorkError(PetscInt cells) {
     state.u = nodes[k][0].x;
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
-    StrandsSum(strands, &sum);
+    StrandsSum(strands, 0, &sum);
     energy[k / 2] = sum.energy;
   }
   {
     StrandState state = {.t = t, .stride = NODE_VALUES, .u = nodes[1][0].x};
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
-    StrandsSum(strands, &sum);
+    StrandsSum(strands, 0, &sum);
   }
   force = StrandsForces(strands);
   EXPECT(sum.normal > 0.01, "nothing touches: %g", sum.normal);
