@@ -56,7 +56,7 @@ typedef struct {
 } Motion;
 
 static inline void Between(const Motion *self, PetscInt i, PetscReal tau, PetscReal x[3]) {
-  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->from[i].x3[d] + tau * self->to[i].x3[d];
+  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->from[i].x[d] + tau * self->to[i].x[d];
 }
 
 /* The sides r, q of segments i and j at a time, and the way o from one to the other. */
@@ -160,8 +160,8 @@ PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, Pet
   *passes = PETSC_FALSE;
   if (n < 4) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < n; i++)
-    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x3[d] - from[i].x3[d]));
-  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x3, NULL, &line));
+    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x[d] - from[i].x[d]));
+  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x, NULL, &line));
   BlocksPairs(line, 2 * way, NULL, MeetMoving, &self);
   PetscCall(BlocksDestroy(&line));
   *passes = self.passes;

@@ -894,14 +894,33 @@ static PetscErrorCode FrameRecalled(Rod rod) {
   PetscFunctionReturn(0);
 }
 
+/* Between a node and its unknowns. */
+static void PutNode(const Node *node, PetscReal u[FIELDS]) {
+  Put2(From2(node->x), u + X1);
+  u[TH] = node->theta;
+  u[M] = node->moment;
+  Put2(From2(node->force), u + N1);
+}
+
+static void GetNode(const PetscReal u[FIELDS], Node *node) {
+  Put2(From2(u + X1), node->x);
+  node->theta = u[TH];
+  node->moment = u[M];
+  Put2(From2(u + N1), node->force);
+}
+
+static void GetRates(const PetscReal u_t[FIELDS], Node *node) {
+  Put2(From2(u_t + X1), node->x_t);
+  node->theta_t = u_t[TH];
+}
+
 static PetscErrorCode FrameSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   const PetscInt fields = rod->model->fields;
   PetscReal *u;
 
   PetscFunctionBegin;
   PetscCall(VecGetArray(U, (PetscScalar **)&u));
-  for (PetscInt i = 0; i < rod->end - rod->first; i++)
-    PetscCall(PetscMemcpy(u + i * fields, &nodes[i], FIELDS * sizeof(*u)));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++) PutNode(&nodes[i], u + i * fields);
   PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedSet(rod, nodes, U));
   if (!((Frame *)rod->data)->yields) PetscFunctionReturn(0);
@@ -929,15 +948,14 @@ static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscCall(VecGetArrayRead(U, (const PetscScalar **)&u));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(PetscMemzero(&nodes[i], sizeof(PlaneNode)));
-    PetscCall(PetscMemcpy(&nodes[i], u + i * fields, FIELDS * sizeof(*u)));
+    GetNode(u + i * fields, &nodes[i]);
     if (frame->yields) PetscCall(PetscArraycpy(nodes[i].growth, u + i * fields + FIELDS, 2));
   }
   PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedGet(rod, U, nodes));
   if (!U_t) PetscFunctionReturn(0);
   PetscCall(VecGetArrayRead(U_t, (const PetscScalar **)&u));
-  for (PetscInt i = 0; i < n; i++)
-    PetscCall(PetscMemcpy(nodes[i].x_t, u + i * fields, 3 * sizeof(*u)));
+  for (PetscInt i = 0; i < n; i++) GetRates(u + i * fields, &nodes[i]);
   PetscCall(VecRestoreArrayRead(U_t, (const PetscScalar **)&u));
   PetscFunctionReturn(0);
 }

@@ -236,9 +236,9 @@ static void JoinWays(const Node *one, const Node *other, Node *node) {
   const PetscReal c = PetscSqrtReal(PetscMax(1e-6, 1 - a * a - b * b)),
                   c_t = -(a * a_t + b * b_t) / c, p = PetscSqrtReal((1 + c) / 2),
                   p_t = c_t / (4 * p);
-  Node joined = {.x3 = {one->x[0], one->x[1], other->x[1]},
-                 .x3_t = {one->x_t[0], one->x_t[1], other->x_t[1]},
-                 .n3 = {one->force[0], one->force[1], other->force[1]},
+  Node joined = {.x = {one->x[0], one->x[1], other->x[1]},
+                 .x_t = {one->x_t[0], one->x_t[1], other->x_t[1]},
+                 .force = {one->force[0], one->force[1], other->force[1]},
                  .m3 = {0, -other->moment, one->moment},
                  .p = {p, 0, -b / (2 * p), a / (2 * p)},
                  .p_t = {p_t, 0, (b * p_t / p - b_t) / (2 * p), (a_t - a * p_t / p) / (2 * p)}};
@@ -307,11 +307,10 @@ static PetscErrorCode CreateFit(Rod rod) {
 static void Deflection(const Node *node, PetscInt fields, PetscInt f, PetscReal value[2]) {
   PetscReal d[3][3];
 
-  value[0] = node->x[1];
+  value[0] = node->x[1 + f];
   value[1] = node->theta;
   if (fields == 1) return;
   Directors(node->p, QuaternionSize(node->p), d);
-  value[0] = node->x3[1 + f];
   value[1] = d[0][1 + f];
 }
 

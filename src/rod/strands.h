@@ -24,6 +24,7 @@ typedef struct _Strands *Strands;
 typedef struct {
   PetscReal t;
   PetscInt stride;
+  PetscInt between; /* reals between the place and what turns it: 0, but of nodes in the plane */
   const PetscReal *u, *u_t;
 } StrandState;
 
