@@ -39,7 +39,7 @@ static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observat
   if (scene->tropism.any) {
     sum->natural_angle += dl * p->law.u0[2];
     sum->natural_angle_2 += dl * p->law.u0[1];
-    sum->natural_bend += dl * (PetscSqr(p->law.u0[1]) + PetscSqr(p->law.u0[2]));
+    sum->natural_bend += dl * Dot2(From2(p->law.u0 + 1), From2(p->law.u0 + 1));
     sum->tropism_power -= dl * Dot3(p->moment, p->drive);
     sum->ironing_power -= dl * Dot3(p->moment, p->ironing);
   }

@@ -46,11 +46,11 @@ static PetscErrorCode LinearResidual(Rod rod, const RodState *at, Vec F) {
   Linear *self = (Linear *)rod->data;
   const PetscScalar *y, *y_t;
   PetscScalar *f;
-  Vec local[2];
+  Vec local, local_t;
 
   PetscFunctionBegin;
-  PetscCall(RodOpen(rod, at->U, &local[0], &y));
-  PetscCall(RodOpen(rod, at->U_t, &local[1], &y_t));
+  PetscCall(RodOpen(rod, at->U, &local, &y));
+  PetscCall(RodOpen(rod, at->U_t, &local_t, &y_t));
   PetscCall(DMDAVecGetArray(rod->da, F, &f));
   for (PetscInt k = 0; k < rod->model->fields; k++) {
     PetscReal *out = rod->model->fields > 1 ? self->room[WAYS] - (rod->first - 3) : f;
@@ -60,8 +60,8 @@ static PetscErrorCode LinearResidual(Rod rod, const RodState *at, Vec F) {
       f[rod->model->fields * i + k] = out[i];
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &f));
-  PetscCall(RodClose(rod, &local[0], &y));
-  PetscCall(RodClose(rod, &local[1], &y_t));
+  PetscCall(RodClose(rod, &local, &y));
+  PetscCall(RodClose(rod, &local_t, &y_t));
   PetscFunctionReturn(0);
 }
 
@@ -253,13 +253,13 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
   const PetscScalar *y, *y_t = NULL;
   PetscReal *P;
   Node *other;
-  Vec local[2];
+  Vec local, local_t;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(rod->last + 1, &P, fields > 1 ? n : 0, &other));
   PetscCall(StraightForce(rod->scene, rod->last + 1, rod->scene->mesh.s, t, P));
-  PetscCall(RodOpen(rod, U, &local[0], &y));
-  if (U_t) PetscCall(RodOpen(rod, U_t, &local[1], &y_t));
+  PetscCall(RodOpen(rod, U, &local, &y));
+  if (U_t) PetscCall(RodOpen(rod, U_t, &local_t, &y_t));
   for (PetscInt f = fields - 1; f >= 0; f--) {
     const PetscScalar *one = OneField(rod, y, f, 0), *one_t = U_t ? OneField(rod, y_t, f, 1) : NULL;
     PetscCall(PlaneNodes(rod, t, f ? WAY_X3 : WAY_X2, P, one, one_t, f ? other : nodes));
@@ -271,8 +271,8 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
     nodes[k].x[0] += other[k].x[0] - arc; /* shortened by both */
     JoinWays(&nodes[k], &other[k], &nodes[k]);
   }
-  PetscCall(RodClose(rod, &local[0], &y));
-  if (U_t) PetscCall(RodClose(rod, &local[1], &y_t));
+  PetscCall(RodClose(rod, &local, &y));
+  if (U_t) PetscCall(RodClose(rod, &local_t, &y_t));
   PetscCall(PetscFree2(P, other));
   PetscFunctionReturn(0);
 }

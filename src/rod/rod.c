@@ -191,26 +191,29 @@ PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]) {
 static PetscErrorCode IntegratePosition(Rod rod, PetscReal t, Node *nodes) {
   const PetscReal *s = rod->scene->mesh.s;
   PetscInt n = rod->end - rod->first;
-  PetscReal *sum[4], *all;
+  PetscReal *all, *x, *y, *x_t, *y_t;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(4 * n, &all));
-  for (int f = 0; f < 4; f++) sum[f] = all + f * n;
+  x = all;
+  y = x + n;
+  x_t = y + n;
+  y_t = x_t + n;
   for (PetscInt i = PetscMax(rod->first, 1); i < rod->end; i++)
     for (int q = 0; q < GAUSS; q++) {
       PetscReal h = s[i] - s[i - 1], z = s[i - 1] + h * gauss_point[q], g, g_t, theta, slope;
       PetscInt k = i - rod->first;
       PetscCall(GrowthStretch(rod->scene->growth, 1, &z, t, &g, &g_t, NULL));
       PetscCall(SceneShapeAngle(rod->scene, z, &theta, &slope));
-      sum[0][k] += h * gauss_weight[q] * g * PetscCosReal(theta);
-      sum[1][k] += h * gauss_weight[q] * g * PetscSinReal(theta);
-      sum[2][k] += h * gauss_weight[q] * g_t * PetscCosReal(theta);
-      sum[3][k] += h * gauss_weight[q] * g_t * PetscSinReal(theta);
+      x[k] += h * gauss_weight[q] * g * PetscCosReal(theta);
+      y[k] += h * gauss_weight[q] * g * PetscSinReal(theta);
+      x_t[k] += h * gauss_weight[q] * g_t * PetscCosReal(theta);
+      y_t[k] += h * gauss_weight[q] * g_t * PetscSinReal(theta);
     }
-  for (int f = 0; f < 4; f++) PetscCall(RodSumAlong(rod, n, sum[f]));
+  for (int f = 0; f < 4; f++) PetscCall(RodSumAlong(rod, n, all + f * n));
   for (PetscInt k = 0; k < n; k++) {
-    Put2((Vector2){sum[0][k], sum[1][k]}, nodes[k].x);
-    Put2((Vector2){sum[2][k], sum[3][k]}, nodes[k].x_t);
+    Put2((Vector2){x[k], y[k]}, nodes[k].x);
+    Put2((Vector2){x_t[k], y_t[k]}, nodes[k].x_t);
   }
   PetscCall(PetscFree(all));
   PetscFunctionReturn(0);
@@ -383,7 +386,8 @@ void RodPlanePart(Node *node) {
   PetscReal d[3][3], size = QuaternionSize(node->p);
 
   Directors(node->p, size, d);
-  node->theta = atan2(PetscSqrtReal(PetscSqr(d[0][1]) + PetscSqr(d[0][2])), d[0][0]);
+  const Vector2 across = From2(d[0] + 1);
+  node->theta = atan2(PetscSqrtReal(Dot2(across, across)), d[0][0]);
   node->moment = Size3(node->m3);
 }
 
