@@ -19,7 +19,7 @@ for file in options/*.opts; do
   files=("results/$name.h5") what=()
   if grep -q '^-output_interval' "$file"; then what=(--panels norm,shapes); fi
   case $name in
-  root-layers | catheter) what=(--panels shapes,force --times 2,4,6,8,10,12) ;;
+  root-layers) what=(--panels shapes,force --times 2,4,6,8,10,12) ;;
   vine-stuck) what=(--panels shapes,force --times 0,1,2,4,6,8) ;;
   snake) # beside the rod that slides as hard along as across
     build/tendril -quiet -options_file "$file" -friction_across 1 -output results/snake-1.h5
@@ -31,7 +31,7 @@ for file in options/*.opts; do
     build/tendril -quiet -options_file "$file" -ts_max_time 39.5 -output results/tube-contact-40.h5
     build/tendril -quiet -options_file options/pushed-tube.opts -stop_length 56.4cm -output results/tube-crossing.h5
     files=(results/tube-crossing.h5 "${files[@]}" results/tube-contact-40.h5)
-    what=(--panels shapes --times 9.5,19.5,39.5 --titles "may cross itself,cannot,cannot: length 40")
+    what=(--panels shapes --times 9.5,19.5,39.5 --titles "may cross itself,cannot cross itself,and fed twice as far")
     ;;
   cable-conduit) what=(--panels touch,contact --times 9.6) ;;
   packing) what=(--panels touch,contact --times 27.8) ;;
@@ -57,12 +57,14 @@ for file in options/*.opts; do
     files=(results/root-grows.h5 "${files[@]}")
     what=(--panels shapes,length --times 1,3,5,6.4 --titles "growth is given,growth feels force")
     ;;
+  catheter) what=(--panels shapes,force --times 2,4,6,8,10,12) ;;
   root-helix | vine-heavy) what=(--panels space,shapes,curvature,twisting) ;;
-  wire-spun | rod-bent) what=(--panels space,norm,curvature,twisting) ;;
+  wire-spun) what=(--panels space,norm,curvature,twisting --times 5,9,14) ;;
+  rod-bent) what=(--panels space,norm,curvature,twisting) ;;
   seedlings) what=(--panels space --times 0.75 --view 30,25) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
   root-stones) what=(--panels shapes --times 1,3,6,10) ;;
-  twisted-rod) what=(--panels space,curvature --times 0.05,0.3,0.6,10) ;;
+  twisted-rod) what=(--panels side,front,curvature,twisting --times 0.05,0.3,0.6,10) ;;
   catheter-steered) what=(--panels shapes,force --times 3.5,5,7.5,10,16) ;;
   vine-steered) what=(--panels shapes,curvature,power --times 4,8,12,15) ;;
   root-gravity) what=(--panels shapes,tip_angle --times 0h,4h,8h,12h,24h) ;;

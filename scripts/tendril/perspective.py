@@ -17,6 +17,7 @@ from .solids import within
 from .walls import EDGE, SOLID
 
 VIEW = (20.0, 20.0)  # degrees: turned about the axis that points up, from the front; from how far above
+LIGHT, ROUND = 0.3, 4.0  # of a rod's thickness: the light on it; points: the least thickness at which it has one
 LEAST, HALO = 1.1, 0.7  # points: the least thickness; the white on both sides of what passes over something
 ROOM = 0.08  # of the longest side of the box of axes: so far beyond it are surfaces drawn
 SLIM = 0.22  # of the longest side of the box of axes: the shortest
@@ -52,15 +53,16 @@ class Rods(LineCollection):
         for number, strand in enumerate(self.strands):
             x = np.asarray(strand.x, float)
             flat, depth = self.seen(x)
-            depth = depth - number * self.deep(x)  # of shapes that lie in one place the later is seen
+            depth = depth + number * self.deep(x, strand.diameter)  # of shapes that lie in one place the earlier is seen before the later
             size = np.maximum(strand.least, strand.diameter * self.scale(x))
             ends = np.stack([flat[:-1], flat[1:]], axis=1)
             thick = (size[1:] + size[:-1]) / 2
             shades = np.broadcast_to(strand.colour if np.ndim(strand.colour) == 2 else to_rgba(strand.colour), (len(ends), 4))
-            pieces.append(np.stack([ends, ends], axis=1))  # of each piece its white, then itself
-            widths.append(np.stack([thick + 2 * strand.halo, thick], axis=1))
+            pieces.append(np.stack([ends, ends, ends], axis=1))  # of each piece its white, then itself, then the light on it
+            widths.append(np.stack([thick + 2 * strand.halo, thick, LIGHT * thick], axis=1))
             white = np.tile((1.0, 1.0, 1.0, 1.0 if strand.halo else 0.0), (len(ends), 1))
-            colours.append(np.stack([white, shades], axis=1))
+            light = np.column_stack([shades[:, :3] + 0.35 * (1 - shades[:, :3]), shades[:, 3] * (thick > ROUND)])
+            colours.append(np.stack([white, shades, light], axis=1))
             depths.append((depth[1:] + depth[:-1]) / 2)
         if not pieces:
             self.set_segments([])
@@ -78,9 +80,10 @@ class Rods(LineCollection):
         a, b, depth = proj3d.proj_transform(*np.asarray(x, float).T, self.axes.get_proj())
         return np.column_stack([a, b]), np.asarray(depth)
 
-    def deep(self, x):
-        """What a distance of a hundredth of the axes' box, towards who looks, is in depth."""
-        step = 0.01 * np.ptp([self.axes.get_xlim(), self.axes.get_ylim(), self.axes.get_zlim()], axis=1).max()
+    def deep(self, x, least):
+        """What a distance towards who looks is in depth: one or three hundredths of the axes' box, or between them one that is given."""
+        box = np.ptp([self.axes.get_xlim(), self.axes.get_ylim(), self.axes.get_zlim()], axis=1).max()
+        step = np.clip(least, 0.01 * box, 0.03 * box)
         middle = np.mean(x, axis=0, keepdims=True)
         return np.linalg.norm([self.seen(middle + step * d)[1] - self.seen(middle)[1] for d in np.eye(3)])
 
@@ -98,11 +101,12 @@ def joined(pieces, widths, axes):
     """Pieces whose own lines are a little longer than they are, so that none of the paper is seen in a bend."""
     unit = np.linalg.norm(axes.transData.transform((1, 0)) - axes.transData.transform((0, 0)))
     room = 0.2 * widths[:, 1] * axes.figure.dpi / 72 / unit
-    own = pieces[:, 1]
+    own = pieces[:, 1]  # (the light on it is as long)
     along = own[:, 1] - own[:, 0]
     long = np.maximum(np.linalg.norm(along, axis=1), 1e-12)
     more = along * np.minimum(room / long, 0.5)[:, None]
-    return np.stack([pieces[:, 0], np.stack([own[:, 0] - more, own[:, 1] + more], axis=1)], axis=1)
+    longer = np.stack([own[:, 0] - more, own[:, 1] + more], axis=1)
+    return np.stack([pieces[:, 0], longer, longer], axis=1)
 
 
 def box_of(points):

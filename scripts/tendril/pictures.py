@@ -25,6 +25,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize, to_rgb
@@ -32,6 +33,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.transforms import Bbox
+from mpl_toolkits.mplot3d import proj3d
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from . import plot_stability
 from .bends import bends_of
@@ -39,7 +43,7 @@ from .command import Parser
 from .errors import ResultsError, arguments
 from .loading import load, runs_of
 from .naming import did_you_mean
-from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
+from .perspective import ROOM, VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
 from .results import Results
 from .senses import strain_rate
 from .several import Rod
@@ -52,7 +56,6 @@ from .units import Units, add_choice_of_units, briefly, in_laboratory_of, moment
 from .walls import draw_contact, draw_lamp, draw_rod, draw_walls, strongest_contact
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 NAMED = 24  # of an overlay: more runs have colours alone
@@ -146,29 +149,28 @@ def mark_minimum(ax, r, view):
 
 
 def settle(figure):
-    """Moves what is written at a point to where no curve goes through it, if there is such a place."""
+    """Moves what is written at a point to where no curve goes through it, if there is such a place within its axes; else to any
+    within them."""
     renderer = RendererAgg(*figure.bbox.size, figure.dpi)
     for ax in figure.axes:
         curves = [line.get_path().transformed(ax.transData).cleaned(remove_nans=True)
                   for line in ax.lines if len(line.get_xdata()) > 1]
         for text in filter(lambda t: isinstance(t, Annotation), ax.texts):
             first = text.get_ha(), *text.xyann
-            for down, side in itertools.product((-5, *range(5, 42, 3), -16, -27), (1, -1)):
+            places = list(itertools.product((-5, *range(5, 42, 3), -16, -27), (1, -1)))
+            for (down, side), anywhere in [*((place, False) for place in places), *((place, True) for place in places), (places[0], None)]:
                 text.set(ha=first[0] if side > 0 else {"left": "right", "right": "left"}[first[0]],
                          va="top" if down < 0 else "bottom")
                 text.xyann = side * first[1], down
                 box = text.get_window_extent(renderer).padded(2)
                 if ax.bbox.x0 < box.x0 and box.x1 < ax.bbox.x1 and ax.bbox.y0 < box.y0 \
-                        and box.y1 < ax.bbox.y1 and not any(c.intersects_bbox(box, False) for c in curves):
+                        and box.y1 < ax.bbox.y1 and (anywhere or not any(c.intersects_bbox(box, False) for c in curves)):
                     break
-            else:
-                text.set(ha=first[0], va="top")
-                text.xyann = first[1:]
 
 
 def panel_norm(ax, r, view):
     decades(ax)
-    ax.set_ylabel(view.of(r).label(r"$\|x_2\| = (\int_0^1 x_2^2\, ds)^{1/2}$", "length"))
+    ax.set_ylabel(view.of(r).label(r"deflection $\|x_2\|$", "length"))
     for run, line, colour in ((r, "-", BLUE), (view.beside.get(r.path), "--", GREY)):
         if run is not None and (run.series.norm_x2 > 0).any():
             norm = view.of(run).of("length", np.ma.masked_less_equal(run.series.norm_x2, 0))
@@ -179,7 +181,7 @@ def panel_norm(ax, r, view):
         norm = view.of(r).of("length", np.ma.masked_less_equal(out_of_plane(r), 0))
         ax.plot(view.of(r).of("time", r.series.t), norm, view.style(r, 1, "--"), color=view.colour(r, ORANGE),
                 label=r"$\|x_3\|$")
-        ax.set_ylabel(view.of(r).label(r"$\|x_i\| = (\int_0^1 x_i^2\, ds)^{1/2}$", "length"))
+        ax.set_ylabel(view.of(r).label("deflection", "length"))
     if (r.series.norm_x2 > 0).any():
         mark_minimum(ax, r, view)
         ax.margins(y=0.25)  # room for what is written below the minimum
@@ -252,7 +254,7 @@ def draw_shapes(ax, r, view, line):
     for number, (t, shade) in enumerate(zip(times, shades)):
         shape = shape_of(r, t)
         line(shape, color=view.colour(r, shade), linestyle=view.style(r, number, "-"),
-             label=f"${view.of(r).of('time', shape.t):.4g}$")
+             label=f"${view.of(r).of('time', shape.t):.4g}$", zorder=2 + 0.5 * (1 - number / len(times)))  # where they lie in one place all are seen
     ax.plot(0, 0, "ks", ms=3, clip_on=False, zorder=3)
 
 
@@ -350,7 +352,7 @@ def panel_bends(ax, r, view):
             ax.plot(view.of(r).of("length", arc_length(shape)), factor * bend, linestyle=style, color=view.colour(r, shade),
                     label=label)
     shown = {"-": "line", "--": "dashed", ":": "dotted"}
-    told = ", ".join(f"{name} ({shown[style]})" for name, style, _ in bends_of(r, r.stored(0)))
+    told = ",\n".join(f"{name} ({shown[style]})" for name, style, _ in bends_of(r, r.stored(0)))
     ax.set_xlabel(view.of(r).label("distance from the clamp, along the rod", "length"))
     ax.set_ylabel(told + (f" ({unit})" if unit else ""), fontsize=7)
 
@@ -404,7 +406,7 @@ def panel_touch(ax, r, view):
     unit, times = view.of(r).of("length", 1.0), view.times_of(r)
     shape = r.at(times[-1] if times else r.shapes.t[-1], nearest=True)
     most, (factor, name) = strongest_contact(r, [shape]), view.of(r).unit("N")
-    arrow = f", longest arrow: {briefly(factor * most)} {name or 'per length'}" if most and not view.overlay else ""
+    arrow = f"; longest arrow: {briefly(factor * most)} {name or 'per length'}" if most and not view.overlay else ""
     draw_rod(ax, r, shape.x, unit, color=view.colour(r, BLUE),
              label=f"${view.of(r).of('time', shape.t):.4g}$" + arrow)
     draw_contact(ax, r, shape, unit)
@@ -462,7 +464,7 @@ __doc__ = __doc__.format(panels=", ".join(PANELS))
 # series by what they are to a reader, with their symbols
 NAMES = {
     "length": r"length $L$", "tip_x1": r"tip, $x_1(1)$", "tip_x2": r"tip, $x_2(1)$",
-    "norm_x2": r"$\|x_2\|$ over labels", "norm_x2_length": r"$\|x_2\|$ over arc length",
+    "norm_x2": r"deflection (root mean square), $\|x_2\|$", "norm_x2_length": "deflection over arc length",
     "max_angle": r"largest $|\theta|$", "energy": "bending energy", "growth_power": "power of growth",
     "dissipation": "power lost to friction", "energy_defect": "energy defect, relative",
     "end_distance": r"distance of the tip, $|x(1)|$", "mid_distance": r"distance of the middle, $|x(1/2)|$",
@@ -481,7 +483,7 @@ NAMES = {
     "newton_iterations": "Newton iterations", "model": "model",
     "error_tip": "estimated error, tip", "error_norm_x2": r"estimated error, $\|x_2\|$",
     "error_energy": "estimated error, energy",
-    "tip_x3": r"tip, $x_3(1)$", "norm_x3": r"$\|x_3\|$ over labels", "twist": r"twist, $\int u_1$",
+    "tip_x3": r"tip, $x_3(1)$", "norm_x3": r"deflection out of the plane (root mean square), $\|x_3\|$", "twist": r"twist, $\int u_1$",
     "link": "link in turns", "writhe": "writhe in turns", "energy_twist": "energy of twist",
     "base_force_3": r"force at the clamp, $-n_3(0)$", "base_moment_1": r"moment at the clamp, $-m_1(0)$",
     "base_moment_2": r"moment at the clamp, $-m_2(0)$", "base_moment_3": r"moment at the clamp, $-m_3(0)$",
@@ -582,16 +584,19 @@ def legend_entries(ax, view, name):
             return [], []
     if name in TIMED and first:
         unit = view.units.scales["time"][1]
-        first = {f"$t$ in {unit}:" if unit else "$t =$": Line2D([], [], lw=0)} | first
+        head, plain = f"$t$ in {unit}:" if unit else "$t =$", Line2D([], [], lw=0)
+        if len(first) == 1 or name == "growth":  # which has no colours of times
+            return [plain], [f"{head} {', '.join(first)}"]
+        first = {head: plain} | first
     return list(first.values()), list(first)
 
 
 def legend(ax, view, name):
     """Above the axes, where it covers no curve."""
     handles, labels = legend_entries(ax, view, name)
-    if len(handles) > 1:
+    if len(handles) > 1 or handles and name in TIMED:
         short = name in TIMED  # many entries, in an overlay of lines with a style
-        ax.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.1, 0.99), ncol=len(handles),
+        head(ax).legend(handles, labels, loc="lower left", bbox_to_anchor=(0.1, 0.99), ncol=len(handles),
                   handlelength=2.0 if view.overlay else 1.1 if short else 1.6,
                   columnspacing=(0.5 if view.overlay else 0.8) if short else 1.2,
                   handletextpad=0.3 if short else 0.5)
@@ -600,7 +605,7 @@ def legend(ax, view, name):
 def mend_legends(figure):
     """A legend wider than its panel goes into it, where it covers least."""
     renderer = RendererAgg(*figure.bbox.size, figure.dpi)
-    for ax in figure.axes:
+    for ax in map(head, figure.axes):
         old = ax.get_legend()
         if old and old.get_window_extent(renderer).x1 > ax.bbox.x1 + 1:
             texts = [text.get_text() for text in old.get_texts()]
@@ -610,45 +615,109 @@ def mend_legends(figure):
 def limit_row(view, row, cells):
     """Sets the limits of a row of panels; of each its height over its width."""
     if cells[0][0] == "space" and len(view.results) > 1 and not view.overlay:
-        return [CUBE for ax in row]
+        return [max(map(seen_aspect, row))] * len(row)
     for ax, (name, _) in zip(row, cells):
         if name != "space":
             ax.margins(x=0.02)
-    if len(view.results) > 1 and not view.overlay:
+    shared = len(view.results) > 1 and not view.overlay
+    if shared:
         share_limits(row)
         for ax in row[1:]:
             ax.set_ylabel("")
             ax.tick_params(labelleft=False)
     equal = [ax for ax, (name, _) in zip(row, cells) if name in SHAPES]
-    aspect = float(np.clip(max(map(aspect_of, equal), default=0), 0.36, 1.3))
-    for ax in equal:
+    aspects = {ax: float(np.clip(max(map(aspect_of, equal if shared else [ax])), 0.36, 1.3)) for ax in equal}
+    for ax, aspect in aspects.items():
         set_aspect(ax, aspect)
-    flat = CUBE - 0.06 if any(name == "space" for name, _ in cells) else FLAT
-    return [CUBE if name == "space" else aspect if ax in equal else flat for ax, (name, _) in zip(row, cells)]
+    return [seen_aspect(ax) if name == "space" else aspects.get(ax) for ax, (name, _) in zip(row, cells)]
 
 
-FLAT, CUBE = 0.66, 0.86  # height over width of a panel of curves, of one in perspective
+FLAT, HIGH = 0.66, 0.8  # height over width of a panel of curves; the most of it, beside one that is high
+LEAST, MOST = 0.4, 1.3  # of one in perspective
+SHARES = 0.42, 0.58  # of a row's width, that one of two panels may have
+
+
+def head(ax):
+    """The axes that carry the letter and the legend of others: themselves, but of three dimensions, whose frame is moved so that what
+    they show fills their place, some without anything of their own in that place."""
+    return getattr(ax, "head", ax)
+
+
+def seen_box(ax):
+    """What axes of three dimensions show, in pixels: their box, what sticks out of it, numbers and names."""
+    renderer = RendererAgg(*ax.figure.bbox.size, ax.figure.dpi)
+    ax.apply_aspect()
+    ax.M = ax.get_proj()
+    boxes = [axis.get_tightbbox(renderer) for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
+    low, high = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()]).T
+    room = ROOM * (high - low).max() if any(isinstance(one, Poly3DCollection) for one in ax.collections) else 0.0
+    corners = np.array(list(itertools.product(*np.transpose([low - room, high + room]))))
+    flat = ax.transData.transform(np.column_stack(proj3d.proj_transform(*corners.T, ax.M)[:2]))
+    return Bbox.union([*filter(None, boxes), Bbox([flat.min(axis=0), flat.max(axis=0)])])
+
+
+def seen_aspect(ax):
+    """Height over width of what axes of three dimensions show."""
+    box = seen_box(ax)
+    return float(np.clip(box.height / box.width, LEAST, MOST))
+
+
+def fit_seen(ax, cell):
+    """Moves and widens axes of three dimensions until what they show fills a cell of the figure, (left, bottom, width, height) in
+    its parts; letters keep their size, so it is done a few times."""
+    figure = ax.figure
+    ax.set_anchor("C")
+    head(ax).set_position(cell)
+    left, bottom, wide, high = np.array(cell) * np.tile(figure.bbox.size, 2)
+    side, middle = min(wide, high), np.array([left + wide / 2, bottom + high / 2])
+    for _ in range(4):
+        ax.set_position(np.array([*(middle - side / 2), side, side]) / np.tile(figure.bbox.size, 2))
+        box = seen_box(ax)
+        side *= min(wide / box.width, high / box.height)
+        middle += np.array([left + wide / 2, bottom + high / 2]) - [(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]
+
+
+def split(aspects, width):
+    """(widths, heights) of the panels of a row that has so much width: those of a given height over width are as high as each
+    other, as far as none gets too narrow; curves (None) are as high as they are."""
+    if len(aspects) == 2 and any(aspects):
+        a, b = (aspect or FLAT for aspect in aspects)
+        share = float(np.clip(b / (a + b), *SHARES))
+        widths = [share * width, (1 - share) * width]
+    else:
+        widths = [width / len(aspects)] * len(aspects)
+    most = max((w * a for w, a in zip(widths, aspects) if a), default=0.0)
+    return widths, [w * a if a else float(np.clip(most, FLAT * w, HIGH * w)) for w, a in zip(widths, aspects)]
+
+
 WIDTHS = {1: 3.4, 2: 2.7, 3: 2.1}  # of a panel, by the number of columns, in inches
 BELOW, ABOVE, LEFT, RIGHT = 0.44, 0.26, 0.66, 0.1  # room for labels around a panel, in inches
 
 
 def place(figure, axes, aspects, shared, headed):
-    """Puts the panels where they belong: every one of the same width, in whatever units its labels
-    are, the tops of a row in line; with shared labels the columns move together.
+    """Puts the panels where they belong: in whatever units their labels are, the tops of a row in line; columns of several runs are
+    of the same width, and with shared labels they move together.
 
-    aspects  a row a list, height over width of its panels"""
+    aspects  a row a list, height over width of its panels; None: of curves, which have none of their own"""
     columns = axes.shape[1]
     panel, gap = WIDTHS.get(columns, 1.8), (0.12 if shared else LEFT + RIGHT)
     width = width_of(columns, shared)
-    height = sum(max(row) * panel + BELOW + ABOVE for row in aspects) + headed
+    sizes = [([panel] * len(row), [panel * (aspect or FLAT) for aspect in row]) if shared or len(row) < columns else split(row, columns * panel)
+             for row in aspects]
+    height = sum(max(heights) + BELOW + ABOVE for _, heights in sizes) + headed
     figure.set_size_inches(width, height)
     top = height - headed
-    for row, row_aspects in zip(axes, aspects):
+    for row, (widths, heights) in zip(axes, sizes):
         top -= ABOVE
-        for k, (ax, aspect) in enumerate(zip(row, row_aspects)):
-            ax.set_position([(LEFT + k * (panel + gap)) / width, (top - aspect * panel) / height,
-                             panel / width, aspect * panel / height])
-        top -= max(row_aspects) * panel + BELOW
+        left = LEFT
+        for ax, wide, high in zip(row, widths, heights):
+            cell = np.array([left / width, (top - high) / height, wide / width, high / height])
+            if ax.name == "3d":
+                fit_seen(ax, cell)
+            else:
+                ax.set_position(cell)
+            left += wide + gap
+        top -= max(heights) + BELOW
 
 
 def name_runs(figure, view, width):
@@ -692,8 +761,11 @@ def axes_of(figure, cells, columns):
     for i, row in enumerate(cells):
         for j in range(columns):
             solid = j < len(row) and row[j][0] == "space"
-            axes[i, j] = figure.add_subplot(len(cells), columns, i * columns + j + 1,
-                                            projection="3d" if solid else None)
+            place = len(cells), columns, i * columns + j + 1
+            axes[i, j] = figure.add_subplot(*place, projection="3d" if solid else None)
+            if solid:
+                axes[i, j].head = figure.add_artist(Axes(figure, (0, 0, 1, 1)))  # (none of the figure's axes, for who goes through them)
+                axes[i, j].head.set_axis_off()
     return axes
 
 
@@ -721,13 +793,14 @@ def draw(names, view):
             if not shared or k == 0 or any(t != times[0] for t in times):
                 legend(ax, view, name)
             if not shared or k == 0:
-                ax.set_title(f"({next(letters)})", loc="left")
+                head(ax).set_title(f"({next(letters)})", loc="left")
     headed = 0.0
     if view.overlay:
         headed = name_runs(figure, view, width_of(columns, shared))
     elif shared:
-        over = any(ax.get_legend() for ax in axes[0])  # a legend, which the titles stand above
-        for ax, title in zip(axes[0], view.titles):
+        heads = [head(ax) for ax in axes[0]]
+        over = any(ax.get_legend() for ax in heads)  # a legend, which the titles stand above
+        for ax, title in zip(heads, view.titles):
             ax.set_title(title, pad=18 if over else 6)
         headed = 0.2 * over
     place(figure, axes, aspects, shared, headed)

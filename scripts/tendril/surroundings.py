@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import h5py
 import numpy as np
 
-from .results import Results, Shape
+from .results import Results, Shape, as_text
 from .units import in_si, quantity
 
 
@@ -31,6 +34,29 @@ def contact_force(r: Results, shape: Shape) -> np.ndarray:
         return np.zeros_like(shape.x)
     force = r.shapes["contact"][shape.index]
     return np.pad(force, ((0, 0), (0, shape.x.shape[1] - force.shape[1])))  # of a rod in the plane shown in space
+
+
+def layers_of(r: Results) -> list[tuple[float, float]]:
+    """Where each layer of friction begins along x1, and what friction is multiplied by in it."""
+    found = []
+    for piece in as_text(r.attributes.get("parameters/friction_layers", "")).split(","):
+        begin, factor = (quantity(part) for part in piece.partition(":")[::2])
+        if begin and factor:
+            found.append((begin[0] * in_si(begin[1]) / r.scale("length") if begin[1] else begin[0], factor[0]))
+    return found
+
+
+def stiffness_along(r: Results, x) -> np.ndarray | None:
+    """[n - 1], between nodes x, how many times as stiff as the scales have it the rod is; None where it is the same all along, or its
+    file is not there any more."""
+    file = Path(as_text(r.attributes.get("parameters/rod_stiffness_file", "")))
+    if not file.is_file():
+        return None
+    with h5py.File(file, "r", locking=False) as f:
+        distance, factor = f["distance"][()], f["factor"][()]
+    pieces = size_of(np.diff(x, axis=0))
+    from_tip = np.cumsum(pieces[::-1])[::-1] - pieces / 2
+    return np.interp(from_tip, distance, factor)
 
 
 def vector_of(r: Results, name: str, axes: int, *units: str) -> np.ndarray:

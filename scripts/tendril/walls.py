@@ -15,13 +15,14 @@ from matplotlib.artist import Artist
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
-from matplotlib.patches import PathPatch
+from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path
+from matplotlib.text import Text
 from matplotlib.transforms import Affine2D
 
 from .courses import motion_of, shift_of
 from .senses import lamp
-from .surroundings import pressed
+from .surroundings import layers_of, pressed, stiffness_along
 
 ARROWS = 40  # of contact along the rod, at most
 SOLID, EDGE = "#d9d4c7", "#8a8371"
@@ -203,6 +204,35 @@ def solid(wall, view):
     return Path(np.array(vertices + more), codes + their), [ring]
 
 
+class Layers(Artist):
+    """Layers of friction behind all else, darker where it is larger, with what it is multiplied by, as far as they are within the
+    limits that the axes have when they are drawn."""
+
+    def __init__(self, layers, scale):
+        super().__init__()
+        self.layers, self.scale = layers, scale
+        self.set_zorder(-2)
+
+    def get_tightbbox(self, renderer=None):
+        return None
+
+    def draw(self, renderer):
+        x0, x1, y0, y1 = view_of(self.axes)
+        begins = [-np.inf, *(self.scale * begin for begin, _ in self.layers[1:]), np.inf]  # the first is constant beyond its edge
+        most = max(factor for _, factor in self.layers)
+        for low, high, (_, factor) in zip(begins, begins[1:], self.layers):
+            low, high = max(low, x0), min(high, x1)
+            if high <= low:
+                continue
+            band = Rectangle((low, y0), high - low, y1 - y0, facecolor=SOLID, alpha=0.9 * factor / most if most else 0.0, edgecolor="none")
+            word = Text(low + 0.02 * (x1 - x0), y0 + 0.02 * (y1 - y0), f"friction × {factor:g}" if low == x0 else f"× {factor:g}", fontsize=7, color="#555")
+            for part in (band, word):
+                part.axes, part.figure = self.axes, self.axes.figure
+                part.set_transform(self.axes.transData)
+                part.set_clip_path(self.axes.patch)
+                part.draw(renderer)
+
+
 class Scenery(Artist):
     """The walls of a run, drawn within whatever limits the axes have when they are drawn."""
 
@@ -252,19 +282,31 @@ def draw_lamp(ax, r, axes, scale=1.0):
 
 
 def draw_walls(ax, r, scale=1.0, room=True, t=0.0):
-    """Draws the walls of a run, where they are at a time, behind all else, and makes room for those the rod is within; and
-    its lamp. scale: what a unit of length is in the picture. Returns what draws the walls, whose .walls may be set; None if
-    there are none."""
+    """Draws the walls of a run, where they are at a time, behind all else, and makes room for those the rod is within or beside;
+    its lamp, and layers of friction. scale: what a unit of length is in the picture. Returns what draws the walls, whose .walls may
+    be set; None if there are none."""
     draw_lamp(ax, r, (0, 1), scale)
+    if layers := layers_of(r):
+        ax.add_artist(Layers(layers, scale))
     walls = walls_of(r, t)
     if not walls:
         return None
     scenery = ax.add_artist(Scenery(walls, scale))
-    holds = [w for w in walls if w.inside or w.kind == "path"]
-    if holds and room:
-        ax.update_datalim(scale * reach_of(holds))
+    whole = [w for w in walls if w.inside or w.kind == "path" or near(w, ax.dataLim, scale)]
+    if whole and room:
+        ax.update_datalim(scale * reach_of(whole))
         ax.autoscale_view()
     return scenery
+
+
+def near(wall, box, scale):
+    """Is it a stone no larger than what is drawn in a box, and partly in it or near it?"""
+    if wall.kind != "circle" or not np.isfinite(box.extents).all():
+        return False
+    x, y, radius = scale * np.asarray(wall.numbers[:3])
+    off = np.hypot(x - np.clip(x, box.x0, box.x1), y - np.clip(y, box.y0, box.y1))
+    size = max(box.width, box.height)
+    return off < radius + 0.2 * size and 2 * radius < size
 
 
 class Thick:
@@ -320,6 +362,11 @@ def draw_rod(ax, r, x, scale=1.0, **look):
     line.width = scale * r.diameter
     line.least = look.get("lw", rcParams["lines.linewidth"] if line.width == 0 else Thick.least)
     ax.add_line(line)
+    stiff = stiffness_along(r, x) if line.width == 0 else None
+    if stiff is not None:  # wider where it is stiffer, so that a soft end is seen
+        ends = np.stack([scale * np.asarray(x)[:-1], scale * np.asarray(x)[1:]], axis=1)
+        ax.add_collection(LineCollection(ends, linewidths=line.get_linewidth() + 3.5 * stiff / stiff.max(), color=pale(line.get_color()), capstyle="round",
+                                         zorder=line.get_zorder() - 0.01), autolim=False)
     ax.autoscale_view()
     return line
 
