@@ -72,6 +72,58 @@ PetscErrorCode MeshCreate(PetscInt cells, PetscBool graded, Growth growth, Petsc
   PetscFunctionReturn(0);
 }
 
+/* The node that is to be at a label: one at either end of the cell there that is near enough to be
+   moved there, and is not doubled; -1: none. */
+static PetscInt Movable(const Mesh *mesh, PetscReal s, PetscInt behind) {
+  const PetscReal near = 0.3, *at = mesh->s;
+
+  for (PetscInt i = behind - 1; i <= behind; i++) {
+    const PetscBool end = (PetscBool)(i == 0 || i == mesh->cells),
+                    doubled = (PetscBool)(!end && (at[i] == at[i - 1] || at[i] == at[i + 1]));
+    if (at[i] == s && !doubled) return i;
+    if (!end && !doubled && PetscAbsReal(at[i] - s) <= near * (at[behind] - at[behind - 1]))
+      return i;
+  }
+  return -1;
+}
+
+/* Puts a node at a label, behind so many. */
+static PetscErrorCode Insert(Mesh *mesh, PetscReal s, PetscInt behind) {
+  PetscFunctionBegin;
+  PetscCall(PetscRealloc((size_t)(mesh->cells + 2) * sizeof(*mesh->s), &mesh->s));
+  for (PetscInt i = mesh->cells; i >= behind; i--) mesh->s[i + 1] = mesh->s[i];
+  mesh->s[behind] = s;
+  mesh->cells++;
+  PetscFunctionReturn(0);
+}
+
+/*
+  MeshDouble - makes a label that of two nodes, unless it is: those that are near are moved there.
+  Labels from the least to the largest leave the numbers of nodes as they are.
+
+  node  the first of the two
+*/
+PetscErrorCode MeshDouble(Mesh *mesh, PetscReal s, PetscInt *node) {
+  PetscInt behind = 1, at;
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < mesh->cells; i++)
+    if (mesh->s[i] == s && mesh->s[i + 1] == s) {
+      *node = i;
+      PetscFunctionReturn(0);
+    }
+  while (behind < mesh->cells && mesh->s[behind] < s) behind++;
+  at = Movable(mesh, s, behind);
+  if (at < 0) {
+    PetscCall(Insert(mesh, s, behind));
+    at = behind;
+  }
+  mesh->s[at] = s;
+  PetscCall(Insert(mesh, s, at));
+  *node = at;
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode MeshDestroy(Mesh *mesh) {
   PetscFunctionBegin;
   PetscCall(PetscFree(mesh->s));

@@ -1,4 +1,5 @@
-/* The nodes of the rod: N cells in the material label s, graded where growth concentrates. */
+/* The nodes of the rod: N cells in the material label s, graded where growth concentrates. Where
+   another rod is joined to it, a node is there twice, with a cell of width 0 between. */
 #ifndef TENDRIL_MESH_H
 #define TENDRIL_MESH_H
 
@@ -11,6 +12,7 @@ typedef struct {
 
 PetscErrorCode MeshCreate(PetscInt cells, PetscBool graded, Growth growth, PetscReal end_time,
                           Mesh *mesh);
+PetscErrorCode MeshDouble(Mesh *mesh, PetscReal s, PetscInt *node);
 PetscErrorCode MeshDestroy(Mesh *mesh);
 
 #endif

@@ -142,7 +142,7 @@ PetscErrorCode EventContact(PetscInt cells, const PetscReal s[], const Node *nod
   self.p[0] = 0;
   for (PetscInt i = 0; i < cells; i++)
     self.p[i + 1] = self.p[i] + Size2(Minus2(From2(nodes[i + 1].x), From2(nodes[i].x)));
-  PetscCall(BlocksOfLine(2, cells, NODE_VALUES, nodes[0].x, NULL, &line));
+  PetscCall(BlocksOfLine(2, cells, NODE_VALUES, nodes[0].x, NULL, NULL, &line));
   BlocksPairs(line, diameter, TooNear, Meet, &self);
   PetscCall(BlocksDestroy(&line));
   PetscCall(PetscFree(self.p));

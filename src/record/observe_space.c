@@ -83,6 +83,27 @@ static PetscReal ClampPower(Scene scene, const Sample3 *p) {
   return -p->moment[0] * 2 / QuaternionSize(p->node.p) * turn[1];
 }
 
+/* How fast a section turns: 2 p_t p* of the directors, and c u of material that slides past them.
+ */
+static void Omega(const Sample3 *p, PetscReal c, PetscReal omega[3]) {
+  PetscReal turn[4];
+
+  QuaternionFrom(p->node.p, p->node.p_t, turn); /* about the directors */
+  for (int i = 0; i < 3; i++) {
+    omega[i] = 0;
+    for (int k = 0; k < 3; k++)
+      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + c * p->u[k]);
+  }
+}
+
+/* The power of what a section bears, at its place. */
+static PetscReal PowerOf(const Sample3 *p) {
+  PetscReal omega[3];
+
+  Omega(p, 0, omega);
+  return Dot3(p->node.force, p->node.x_t) + Dot3(p->node.m3, omega);
+}
+
 static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   PetscReal lab[3];
 
@@ -94,20 +115,7 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
   SceneToLab(scene, p->node.m3, lab);
   Times3(-1, lab, lab);
   Split3(lab, &seen->base_moment_1, &seen->base_moment_2, &seen->base_moment_3);
-  seen->clamp_power = ClampPower(scene, p);
-}
-
-/* How fast the material there turns: 2 p_t p* of the directors, and c u of what slides past them.
- */
-static void Omega(const Sample3 *p, PetscReal omega[3]) {
-  PetscReal turn[4];
-
-  QuaternionFrom(p->node.p, p->node.p_t, turn); /* about the directors */
-  for (int i = 0; i < 3; i++) {
-    omega[i] = 0;
-    for (int k = 0; k < 3; k++)
-      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + p->law.c * p->u[k]);
-  }
+  seen->clamp_power = SceneCarried(scene) ? -PowerOf(p) : ClampPower(scene, p);
 }
 
 /* contact: its force on the tip, and its couple about the tangent. */
@@ -116,7 +124,7 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
   const Node *tip = &p->node;
   PetscReal lab[3], omega[3], force[3];
 
-  Omega(p, omega);
+  Omega(p, p->law.c, omega);
   seen->tip_speed = Size3(p->at.v);
   seen->tip_spin = p->spin;
   seen->tip_power = Dot3(tip->force, p->at.v) - Dot3(contact, p->at.v) + Dot3(tip->m3, omega) -
@@ -183,6 +191,7 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
     Integrate3(scene, &mid, 4 * h / 6, seen);
     Integrate3(scene, &b, h / 6, seen);
     seen->link += TurnedBetween(&a.node, &b.node);
+    if (h == 0) seen->clamp_power += PowerOf(&a) - PowerOf(&b); /* of rods that are joined to it */
     if (s[i] < 0.5 && s[i + 1] >= 0.5) MeasureMiddle3((0.5 - s[i]) / h, &a, &mid, &b, seen);
   }
   if (end == nodes - 1) MeasureTip3(scene, &b, contact, seen);

@@ -8,6 +8,7 @@
 /* What holds the ends. Of several rods: held and bound where any is, free where any is. */
 typedef struct {
   PetscBool clamped, begins_free; /* the beginning neither tilts nor moves; nothing holds it */
+  PetscBool gives_way, carried;   /* it tilts or moves on what holds it; that is another rod */
   PetscBool tip_held, tip_rests, tip_points; /* the tip; at rest; its directors, too */
 } RodEnds;
 
@@ -35,7 +36,7 @@ const SceneUnits *RodUnits(const Rod rod);
 /* what it can touch */
 PetscBool RodTouches(const Rod rod);
 PetscBool RodMeetsWalls(const Rod rod);
-PetscBool RodMeetsItself(const Rod rod);
+PetscBool RodMeetsStrands(const Rod rod);
 PetscBool RodRubsOnWalls(const Rod rod);
 void RodMakeSlippery(Rod rod, PetscBool slippery);
 PetscReal RodLayer(const Rod rod);

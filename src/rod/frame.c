@@ -989,7 +989,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
   rod->coupled = PETSC_TRUE;
-  PetscCall(StrandRowsCreate(rod, &frame->strands));
+  PetscCall(StrandRowsCreate(rod, NULL, &frame->strands));
   rod->memory += StrandRowsMemory(frame->strands);
   PetscFunctionReturn(0);
 }

@@ -342,6 +342,7 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
   for (int d = 0; d < 3; d++) dx[d] = all + d * n;
   for (PetscInt i = PetscMax(rod->first, 1); i < rod->end; i++) {
     PetscReal p[2][2];
+    if (s[i] == s[i - 1]) continue;
     PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t0, p[0], NULL));
     PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t1, p[1], NULL));
     for (int d = 0; d < 3; d++)
@@ -400,7 +401,8 @@ PetscErrorCode RodHoldTip(Rod rod) {
   Vec U;
 
   PetscFunctionBegin;
-  if (rod->scene->tip.type == TIP_FREE) PetscFunctionReturn(0);
+  if (rod->scene->tip.type == TIP_FREE || rod->scene->tip.type == TIP_CARRIED)
+    PetscFunctionReturn(0);
   PetscCall(PetscMalloc1(n, &nodes));
   PetscCall(DMGetGlobalVector(rod->da, &U));
   PetscCall(RodBegin(rod, U));

@@ -150,6 +150,13 @@ typedef struct {
   PetscErrorCode (*bears)(Rod, const RodState *, RodForces *);
 } RodModel;
 
+/* What strands do to one of several rods, at its points (rod/strands.h), and room for what its
+   cells have to say of that (rod/strand_rows.h); NULL: nothing. Borrowed. */
+typedef struct {
+  const PetscReal (*force)[3], (*couple)[3];
+  struct StrandCell_ *cells;
+} RodPushed;
+
 struct _Rod {
   const RodModel *model;
   Scene scene;
@@ -167,15 +174,18 @@ struct _Rod {
   PetscInt order;      /* of the error in space */
   PetscBool alone;     /* on one rank */
   PetscBool coupled;   /* nodes far from each other along the rod see each other */
+  RodPushed pushed;    /* by strands that are looked for among several rods */
   PetscInt memory;     /* reals a node that its Newton's method remembers; 0: none */
   Vector2 oblique;     /* how much so walls are that press: RodFeelWalls() */
   struct {
     PetscReal t;
-    PetscBool whole;        /* all of the sum, and not only what is left, */
-    RodForces sum;          /* of this rank's part */
-  } kept[2];                /* of the latest two states, the latest first: see RodKeepLeft() */
-  PetscReal finest;         /* what is told apart of a vector across that walls have part in, for
-                               RodFieldScales(): of the order of round-off over a step's tolerance */
+    PetscBool whole; /* all of the sum, and not only what is left, */
+    RodForces sum;   /* of this rank's part */
+  } kept[2];         /* of the latest two states, the latest first: see RodKeepLeft() */
+  PetscReal finest;  /* what is told apart of a vector across that walls have part in, for
+                        RodFieldScales(): of the order of round-off over a step's tolerance */
+  PetscReal least;   /* of several that hold each other: changes of places are measured against so
+                        much at least, the same part of a turn; 0: of one that feels none */
   struct Learned_ *learned; /* natural curvature of its own (rod/learned.h); NULL: none */
   void *data;
 };

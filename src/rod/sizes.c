@@ -336,6 +336,14 @@ static void LeaveTurned(const Rod rod, const PetscReal size[], PetscReal scale[]
                                         (RodIsPlace(rod->model, f) ? reach : 1));
 }
 
+/* The scales of a rod that others hold or push: what these are off by is a part of their own size,
+   and their round-off is more than the whole of what a rod that has hardly moved does. */
+static void LeaveOthers(const Rod rod, PetscReal scale[]) {
+  for (PetscInt f = 0; f < rod->model->fields && rod->least > 0; f++)
+    if (rod->model->followed[f])
+      scale[f] = PetscMax(scale[f], RodIsPlace(rod->model, f) ? rod->least : rod_rule.joined_part);
+}
+
 /*
   RodFieldScales - what a change of each field is measured against: its size, but for fields that
   are made of products of others, and may be no more than what these leave of round-off; and for
@@ -378,6 +386,7 @@ PetscErrorCode RodFieldScales(Rod rod, Vec U, Vector2 *axis, PetscReal scale[MAX
   TwistAcross(rod, rod_rule.prescribed_part, scale);
   if (rod->model->scale) rod->model->scale(scale);
   RollByItsArm(rod, size, scale);
+  LeaveOthers(rod, scale);
   if (rod->learned) LearnedScale(rod, scale);
   PetscFunctionReturn(0);
 }

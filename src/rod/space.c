@@ -243,9 +243,9 @@ static PetscErrorCode SpaceCreate(Rod rod) {
     rod->memory += FrictionDualReals(RUBS) * WALL_SLOTS;
   }
   if (Kinks(rod->scene)) PetscCall(PetscCalloc1(rod->end - rod->first + 2, &self->split));
-  if (rod->scene->contact.self) {
+  if (rod->scene->contact.self && !rod->scene->contact.among) {
     rod->coupled = PETSC_TRUE;
-    PetscCall(StrandRowsCreate(rod, &self->strands));
+    PetscCall(StrandRowsCreate(rod, NULL, &self->strands));
   }
   PetscFunctionReturn(0);
 }

@@ -187,7 +187,8 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->thin = rod->scene->contact.thin;
   cell->feet.n = 0;
   cell->load = &rod->scene->load;
-  cell->push = cell->couple = NULL;
+  cell->push = rod->pushed.force;
+  cell->couple = rod->pushed.couple;
   if (self->strands) PetscCall(StrandRowsLoad(rod, self->strands, at, &cell->push, &cell->couple));
   cell->s = rod->scene->mesh.s;
   if (rod->learned) {

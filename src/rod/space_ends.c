@@ -56,10 +56,15 @@ static void HingeBlock(const PetscReal u[FIELDS], const PetscReal clamp[4],
   }
 }
 
-/* SpaceClampResidual - the seven conditions at the beginning, r = 0. */
+/* SpaceClampResidual - the seven conditions at the beginning, r = 0; of one that another rod holds
+   they are not known here: 0. */
 void SpaceClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS], PetscReal r[FIELDS]) {
   PetscReal p[4];
 
+  if (SceneCarried(scene)) {
+    memset(r, 0, LEFT * sizeof(*r));
+    return;
+  }
   if (scene->clamp == CLAMP_FREE) {
     for (int d = 0; d < 6; d++) r[d] = u[M + (d + 3) % 6];
     r[LEFT - 1] = (QuaternionSize(u + P) - 1) / 2;
@@ -76,6 +81,7 @@ void SpaceClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
   PetscReal p[4];
 
   memset(by, 0, LEFT * sizeof(*by));
+  if (SceneCarried(scene)) return;
   if (scene->clamp == CLAMP_FREE) {
     for (int d = 0; d < 6; d++) by[d][M + (d + 3) % 6] = 1;
     for (int k = 0; k < 4; k++) by[LEFT - 1][P + k] = u[P + k];

@@ -502,6 +502,14 @@ static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscR
   if (i + 1 == cell->rod->last) LearnedSignalSlope(cell->rod, &learned.slope[AT_B], shift);
 }
 
+/* Where what strands need to know of the cell behind an owned node is kept; NULL: nowhere. */
+static StrandCell *KeptCell(Rod rod, PetscInt i) {
+  const Space_ *self = (const Space_ *)rod->data;
+
+  if (self->strands && i >= rod->first) return StrandRowsCell(rod, self->strands, i);
+  return rod->pushed.cells ? rod->pushed.cells + i : NULL;
+}
+
 /* What strands need to know of the cell behind a node. */
 static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
   const Space_ *self = (const Space_ *)cell->rod->data;
@@ -517,11 +525,11 @@ static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
 /* ... if its material learns its natural curvature. */
 static void KeepLearnedCell(const Cell *cell, PetscInt i, const Slope *mid,
                             const LearnedSlope *slope) {
-  const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscReal clock = cell->rod->learned->clock[2 * (i - cell->rod->first + 1) + 1];
-  StrandCell *kept = StrandRowsCell(cell->rod, self->strands, i);
+  StrandCell *kept = KeptCell(cell->rod, i);
   PetscReal by[FIELDS];
 
+  if (!kept) return;
   KeepCell(cell, mid, kept);
   for (int b = 0; b < TROPISM_BENDS; b++) {
     LearnedByElastic(cell->rod, clock, slope, b, by);
@@ -550,8 +558,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     LearnedOf(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
     LearnedNodeSlope(rod, i, &learned.slope[AT_A], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
-    if (self->strands && i >= rod->first)
-      KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[AT_MID]);
+    if (i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[AT_MID]);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
                             &learned.slope[AT_A], NULL, NULL, room, J));
   }
@@ -583,6 +590,7 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
   Space_ *self = (Space_ *)rod->data;
   PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
+  StrandCell *kept;
   Slopes slopes;
   Cell cell;
   Rows row;
@@ -604,8 +612,8 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
     if (i < rod->last) {
       SpaceCellsNext(&cell, i);
       CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
-      if (self->strands && i >= rod->first)
-        KeepCell(&cell, &slopes.mid, StrandRowsCell(rod, self->strands, i));
+      kept = KeptCell(rod, i);
+      if (kept) KeepCell(&cell, &slopes.mid, kept);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {

@@ -141,33 +141,62 @@ static void InitialNode(PetscInt n, const SpinPlace place[], const PetscReal tur
   RodPlanePart(node);
 }
 
-/* SpaceInitial - the scene's initial shape at the owned nodes; see RodInitialNodes(). Every rank
-   goes along the whole rod, in steps that are much shorter than its cells. */
-PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
-  Scene scene = rod->scene;
-  const PetscReal *s = scene->mesh.s;
-  const PetscInt fine = PetscMax(1, rod_rule.start_steps / rod->last), n = rod->last * fine + 1;
+/* The labels of a mesh without those that are there twice, how many cells there are between them,
+   and which of them each node has. */
+static PetscInt Distinct(PetscInt last, const PetscReal mesh[], PetscReal s[], PetscInt which[]) {
+  PetscInt cells = 0;
+
+  s[0] = mesh[0];
+  which[0] = 0;
+  for (PetscInt i = 1; i <= last; i++) {
+    if (mesh[i] > mesh[i - 1]) s[++cells] = mesh[i];
+    which[i] = cells;
+  }
+  return cells;
+}
+
+/* The initial shape at the labels of so many cells, each of which is gone along in so many steps.
+   Those on this rank are wanted: from .. end - 1. */
+static PetscErrorCode ShapeAtLabels(Scene scene, PetscReal t, PetscInt cells, const PetscReal s[],
+                                    PetscInt from, PetscInt end, Node nodes[]) {
+  const PetscInt fine = PetscMax(1, rod_rule.start_steps / cells), n = cells * fine + 1;
   Shape_ at = {.p = {1}};
   PetscReal *force, *turn;
   SpinPlace *place;
 
   PetscFunctionBegin;
   SpaceClampTurn(&scene->space, t, at.p);
-  PetscCall(PetscMalloc3(rod->last + 1, &force, n, &place, n, &turn));
-  PetscCall(StraightForce(scene, rod->last + 1, s, t, force));
+  PetscCall(PetscMalloc3(cells + 1, &force, n, &place, n, &turn));
+  PetscCall(StraightForce(scene, cells + 1, s, t, force));
   for (PetscInt i = 0; i < n; i++) {
-    const PetscInt cell = PetscMin(i / fine, rod->last - 1);
+    const PetscInt cell = PetscMin(i / fine, cells - 1);
     place[i].s = s[cell] + (s[cell + 1] - s[cell]) * (i - cell * fine) / fine;
   }
   PetscCall(InitialPlaces(scene, t, n, place, turn));
-  for (PetscInt i = 0; i < rod->end; i++) {
+  for (PetscInt i = 0; i < end; i++) {
     for (PetscInt k = 0; i && k < fine; k++) {
       PetscReal h = (s[i] - s[i - 1]) / fine;
       PetscCall(ShapeStep(scene, s[i - 1] + k * h, h, t, &at));
     }
-    if (i >= rod->first)
-      InitialNode(n, place, turn, i * fine, &at, -force[i], &nodes[i - rod->first]);
+    if (i >= from) InitialNode(n, place, turn, i * fine, &at, -force[i], &nodes[i - from]);
   }
   PetscCall(PetscFree3(force, place, turn));
+  PetscFunctionReturn(0);
+}
+
+/* SpaceInitial - the scene's initial shape at the owned nodes; see RodInitialNodes(). Every rank
+   goes along the whole rod, in steps that are much shorter than its cells. */
+PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
+  PetscInt *which, cells;
+  PetscReal *s;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(rod->last + 1, &s, rod->last + 1, &which));
+  cells = Distinct(rod->last, rod->scene->mesh.s, s, which);
+  PetscCall(
+      ShapeAtLabels(rod->scene, t, cells, s, which[rod->first], which[rod->end - 1] + 1, nodes));
+  for (PetscInt i = rod->end - 1; i >= rod->first; i--) /* (on one rank, if any is there twice) */
+    if (which[i] < i) nodes[i - rod->first] = nodes[which[i] - which[rod->first]];
+  PetscCall(PetscFree2(s, which));
   PetscFunctionReturn(0);
 }

@@ -6,9 +6,10 @@
 static const OptionRow rows[] = {
     ROW_REAL("-clamp_angle", "0", -6.2832, 6.2832, UNIT_ANGLE, 0,
              "alpha, direction of the clamp, in radians (or degrees: 90deg)"),
-    ROW_WORD("-clamp_type", "held", "held,hinged,free", 0,
+    ROW_WORD("-clamp_type", "held", "held,hinged,free,ball", 0,
              "is the rod's beginning held there, in a hinge that lets it tilt but not spin, or as "
-             "free as a tip on which nothing pushes?"),
+             "free as a tip on which nothing pushes? Of one that another rod carries: welded, "
+             "hinged about -clamp_axis, or in a ball joint"),
     ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
@@ -258,16 +259,20 @@ static PetscErrorCode CheckYield(Scene scene) {
 
 /* A rod whose beginning is free has nothing there that lets material in, or turns it; and a hinge
    is one about which material that has grown swings, none that lets it in. */
-static PetscErrorCode CheckClamp(Scene scene) {
+static PetscErrorCode CheckClamp(Scene scene, PetscBool carried) {
   PetscInt type;
 
   PetscFunctionBegin;
   PetscCall(OptionWord("-clamp_type", &type, NULL));
   scene->clamp = (ClampType)type;
+  UserCheck(scene->clamp != CLAMP_BALL || carried, OptionsComm(),
+            "-clamp_type ball: is a joint between rods (-clamp_on); give held, hinged or free");
   UserCheck(scene->clamp == CLAMP_HELD || !scene->growth->slides, OptionsComm(),
             "-clamp_type %s: rods that are fed in, or slide out of the clamp, have one; give "
             "another -growth_type",
-            scene->clamp == CLAMP_FREE ? "free" : "hinged");
+            scene->clamp == CLAMP_FREE     ? "free"
+            : scene->clamp == CLAMP_HINGED ? "hinged"
+                                           : "ball");
   scene->shape.hinged = (PetscBool)(scene->clamp == CLAMP_HINGED);
   UserCheck(scene->clamp != CLAMP_HINGED || scene->load.radius == 0 || scene->load.friction.mu == 0,
             OptionsComm(),
@@ -282,11 +287,14 @@ static PetscErrorCode CheckClamp(Scene scene) {
 }
 
 /*
-  SceneCreate - reads and checks all options that say what is simulated, and places the nodes.
+  SceneCreateOn - reads and checks all options that say what is simulated, and places the nodes.
   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
   SceneDestroy(), also after an error.
+
+  seat   where another rod carries it; NULL: none does
+  touch  it is one of several rods that may touch each other
 */
-PetscErrorCode SceneCreate(Scene *scene) {
+PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene) {
   PetscInt cells, grading;
   char text[2][64];
   Scene self;
@@ -299,7 +307,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(SiSetFromOptions(&self->si)); /* first: the others may carry units */
   PetscCall(GrowthCreate(&self->growth));
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
-  PetscCall(SpaceClampDirection(&self->clamp_angle, &self->space));
+  PetscCall(SpaceClampDirection(seat, &self->clamp_angle, &self->space));
   PetscCall(LoadSetFromOptions(&self->load));
   if (self->growth->rests || self->growth->yield > 0) LoadNextToExact(&self->load);
   PetscCall(TipSetFromOptions(&self->tip, &self->load));
@@ -318,7 +326,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(TropismSetFromOptions(&self->tropism, self->growth));
   if (self->growth->yield > 0) self->tropism.any = PETSC_TRUE; /* its material may learn */
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
-  PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
+  PetscCall(ContactSetFromOptions(&self->contact, touch, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
   SceneLinkWalls(self);
   PetscCall(
@@ -327,7 +335,7 @@ PetscErrorCode SceneCreate(Scene *scene) {
     TropismFrame(&self->tropism, (const PetscReal(*)[3])self->space.lab, self->space.place);
   if (self->tropism.why) self->space.why = self->tropism.why;
   PetscCall(CheckYield(self));
-  PetscCall(CheckClamp(self));
+  PetscCall(CheckClamp(self, (PetscBool)(seat != NULL)));
   if (self->load.radius > 0 && self->clamp != CLAMP_FREE) LoadNextToExact(&self->load);
   if (ContactWallsRub(&self->contact) && self->clamp != CLAMP_FREE)
     LoadNextToExactByWalls(&self->load);
@@ -337,6 +345,13 @@ PetscErrorCode SceneCreate(Scene *scene) {
   PetscCall(SceneContactAt(self, 0));
   ContactStandOff(&self->contact, &self->stands_off);
   PetscCall(ChangesRead(&self->changes));
+  PetscFunctionReturn(0);
+}
+
+/* SceneCreate - of a rod that no other carries: SceneCreateOn(). Collective. */
+PetscErrorCode SceneCreate(Scene *scene) {
+  PetscFunctionBegin;
+  PetscCall(SceneCreateOn(NULL, PETSC_FALSE, scene));
   PetscFunctionReturn(0);
 }
 

@@ -16,8 +16,16 @@
 #include "world/tip.h"
 
 /* s = 0: held in the clamp; in a hinge that holds its place, and keeps it from spinning, but lets
-   it tilt; or free, m = 0, n = 0. */
-typedef enum { CLAMP_HELD, CLAMP_HINGED, CLAMP_FREE } ClampType;
+   it tilt; or free, m = 0, n = 0. Or another rod holds it, to which it is welded, or about which it
+   swings, and has its conditions (system/joints.h). */
+typedef enum {
+  CLAMP_HELD,
+  CLAMP_HINGED,
+  CLAMP_FREE,
+  CLAMP_BALL, /* of a rod that another one holds alone */
+  CLAMP_CARRIED,
+  CLAMP_SWINGS
+} ClampType;
 
 /* What a scene makes its own units of, for what has none: see rod/units.c. */
 typedef struct {
@@ -75,6 +83,7 @@ struct _Scene {
 extern const OptionGroup scene_options;
 
 PetscErrorCode SceneCreate(Scene *scene);
+PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
 PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);
@@ -96,6 +105,11 @@ void SceneAtTolerance(Scene scene, PetscReal rtol);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
 PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal p[4]);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
+
+/* Is its beginning held by another rod? */
+static inline PetscBool SceneCarried(const struct _Scene *scene) {
+  return (PetscBool)(scene->clamp == CLAMP_CARRIED || scene->clamp == CLAMP_SWINGS);
+}
 
 /* A vector of the clamp's frame in the laboratory; in the plane the third component is 0. */
 static inline void SceneToLab(const struct _Scene *scene, const PetscReal v[3], PetscReal lab[3]) {

@@ -24,7 +24,21 @@ static const OptionRow rows[] = {
              "a,b,c: direction of d1 at the clamp in the laboratory, instead of -clamp_angle"),
     ROW_TEXT("-clamp_place", 0,
              "x,y,z: where the clamp is in the laboratory, among walls, fields and lamps; 0 unless "
-             "given")};
+             "given"),
+    ROW_TEXT("-clamp_on", 0,
+             "NAME of the rod that carries this one, of several (docs/several-rods.md)"),
+    ROW_TEXT("-clamp_at", 0,
+             "where: how far along that rod from its beginning, as it begins, or base or tip"),
+    ROW_REAL("-clamp_azimuth", "0", -1e6, 1e6, UNIT_ANGLE, 0,
+             "about the tangent of the rod that carries it, from d2, to the side to which "
+             "-clamp_angle, from that tangent, turns it"),
+    ROW_TEXT(
+        "-clamp_axis", 0,
+        "a,b,c: axis of the hinge on the rod that carries it, in the laboratory as they begin; "
+        "0,0,1 unless given"),
+    ROW_TEXT("-tip_on", 0,
+             "NAME of the rod that holds this one's tip, which is there as it begins"),
+    ROW_TEXT("-tip_at", 0, "where on that rod, as -clamp_at")};
 const OptionGroup space_options = OPTION_GROUP_OF_ROD("Space", rows);
 
 /* The smallest rotation that takes e1 to the direction d, of length 1; half a turn about e3 before
@@ -48,13 +62,31 @@ static void SmallestTurn(const PetscReal d[3], PetscReal R[3][3]) {
   R[2][2] = 1 - d[2] * d[2] / c;
 }
 
+/* A rod that another one carries begins at an angle against its tangent, to one side. */
+static PetscErrorCode Seated(const Seat *seat, PetscReal angle, Space *self) {
+  PetscReal azimuth;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-clamp_azimuth", &azimuth, NULL));
+  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle), ca = PetscCosReal(azimuth),
+                  sa = PetscSinReal(azimuth);
+  const PetscReal turn[3][3] = {{c, -s, 0}, {s * ca, c * ca, -sa}, {s * sa, c * sa, ca}};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      self->lab[i][j] = 0;
+      for (int k = 0; k < 3; k++) self->lab[i][j] += seat->frame[i][k] * turn[k][j];
+    }
+  PetscFunctionReturn(0);
+}
+
 /*
   SpaceClampDirection - reads -clamp_direction. Collective.
 
+  seat   of the rod that carries it; NULL: none does
   angle  of the clamp in the plane, from -clamp_angle on entry; that of the direction on exit, if it
          is in the plane
 */
-PetscErrorCode SpaceClampDirection(PetscReal *angle, Space *self) {
+PetscErrorCode SpaceClampDirection(const Seat *seat, PetscReal *angle, Space *self) {
   PetscReal d[3], length;
   PetscBool direction, turned;
 
@@ -63,6 +95,12 @@ PetscErrorCode SpaceClampDirection(PetscReal *angle, Space *self) {
   PetscCall(OptionGiven("-clamp_angle", &turned));
   UserCheck(!direction || !turned, OptionsComm(),
             "-clamp_angle and -clamp_direction: give one of them");
+  if (seat) PetscCall(PetscArraycpy(self->place, seat->place, 3));
+  if (seat && !direction) {
+    PetscCall(Seated(seat, *angle, self));
+    *angle = 0;
+    PetscFunctionReturn(0);
+  }
   length = PetscSqrtReal(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   UserCheck(!direction || length > 0, OptionsComm(),
             "-clamp_direction: has no length; give a direction, like 1,0,0");
@@ -134,11 +172,13 @@ static void DrivenByPath(Space *self, Path path) {
 
 /* Where it is. A path of the tip, and changes of its place, are told from the clamp. */
 static PetscErrorCode ClampPlace(Space *self, const Tip *tip) {
+  PetscReal place[3];
   PetscBool given;
 
   PetscFunctionBegin;
-  PetscCall(OptionVector("-clamp_place", UNIT_LENGTH, self->place, &given));
+  PetscCall(OptionVector("-clamp_place", UNIT_LENGTH, place, &given));
   if (!given) PetscFunctionReturn(0);
+  PetscCall(PetscArraycpy(self->place, place, 3));
   UserCheck(!tip->path, OptionsComm(),
             "-clamp_place: not with -tip_path, which is told from a clamp at 0; leave one out");
   if (self->place[0] != 0 || self->place[1] != 0 || self->place[2] != 0) self->why = "-clamp_place";

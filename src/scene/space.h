@@ -26,9 +26,15 @@ typedef struct {
   PetscReal place[3];  /* where it is */
 } Space;
 
+/* Where a rod begins that another one carries: the place of that, and its directors there as they
+   begin, the columns, in the laboratory. */
+typedef struct {
+  PetscReal place[3], frame[3][3];
+} Seat;
+
 extern const OptionGroup space_options;
 
-PetscErrorCode SpaceClampDirection(PetscReal *angle, Space *space);
+PetscErrorCode SpaceClampDirection(const Seat *seat, PetscReal *angle, Space *space);
 PetscErrorCode SpaceSetFromOptions(Space *space, Load *load, Tip *tip, const Curvature *curvature,
                                    const Shape *shape);
 PetscErrorCode SpaceRelease(Space *space);

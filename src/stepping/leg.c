@@ -168,7 +168,7 @@ static PetscErrorCode Reaches(Leg *leg, PetscInt k, PetscReal t, Vec U, PetscBoo
   PetscCall(RodSizesAlong(rod, part, of->axis, of->tried));
   PetscCall(RodPartCloseRead(leg->rod, k, U, &part));
   PetscCall(RodLength(rod, t, &length));
-  *too_far = (PetscBool) !(RodEndsOf(rod).begins_free ||
+  *too_far = (PetscBool) !(RodEndsOf(rod).begins_free || RodEndsOf(rod).carried ||
                            RodReach(rod->model, of->tried) <= step_rule.reach_slack * length);
   PetscFunctionReturn(0);
 }

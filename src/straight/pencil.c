@@ -2,8 +2,6 @@
 #include "base/bspline.h"
 #include "straight/straight.h"
 
-enum { PER_POINT = 10 };
-
 /* B-splines on a cell at z = s: value[0..2] the quadratics, value[3..5] their slopes, value[6..9]
    the cubics. */
 static void SplineValues(const Mesh *mesh, PetscInt cell, PetscReal s, PetscReal value[PER_POINT]) {
@@ -173,16 +171,35 @@ static PetscErrorCode DragAt(Pencil self, PetscReal s, PetscReal t, PetscReal *d
   PetscFunctionReturn(0);
 }
 
-/* The load across is N phi (a v2 + (1 - a) V theta), v2 = y_t + c theta at fixed label: what stands
-   before theta, over a N phi. At fixed arc length y_t is less by p_t theta: V/a remains. */
+/* PencilDrift - how fast the material at a label moves along the rod past the places at which a
+   frame takes derivatives by time: c of labels, V of the arc length, V - L_t of the distance from
+   the tip. In place they are all the same. */
+PetscErrorCode PencilDrift(Pencil self, PetscReal s, PetscReal t, PencilFrame frame,
+                           PetscReal *drift) {
+  StraightMotion at;
+  PetscReal L, L_t;
+
+  PetscFunctionBegin;
+  *drift = 0;
+  if (!self->growth->slides || frame == FRAME_MATERIAL) PetscFunctionReturn(0);
+  PetscCall(StraightAt(self->scene, s, t, &at));
+  PetscCall(GrowthLength(self->growth, t, &L, &L_t));
+  *drift = frame == FRAME_LABEL ? at.c : frame == FRAME_ARC ? at.V : at.V - L_t;
+  PetscFunctionReturn(0);
+}
+
+/* The load across is N phi (a v2 + (1 - a) V theta), v2 = y_t + drift theta: what stands before
+   theta, over a N phi. */
 static PetscErrorCode SlideAt(Pencil self, PetscReal s, PetscReal t, PencilFrame frame,
                               PetscReal *slide) {
   const PetscReal a = self->scene->load.across;
   StraightMotion at;
+  PetscReal drift;
 
   PetscFunctionBegin;
   PetscCall(StraightAt(self->scene, s, t, &at));
-  *slide = frame == FRAME_ARC && self->growth->slides ? at.V / a : at.c + (1 - a) / a * at.V;
+  PetscCall(PencilDrift(self, s, t, frame, &drift));
+  *slide = frame == FRAME_ARC && self->growth->slides ? at.V / a : drift + (1 - a) / a * at.V;
   PetscFunctionReturn(0);
 }
 
@@ -252,21 +269,20 @@ static PetscErrorCode PointSet(Pencil self, PetscReal t, PencilFrame frame, Pets
   PetscFunctionReturn(0);
 }
 
-/* What pushes on the tip: n2 = - turns theta - drags v2, v2 = y_t at fixed label, y_t + p_t theta
-   at fixed arc length. */
+/* What pushes on the tip: n2 = - turns theta - drags v2, v2 = y_t + drift theta. */
 static PetscErrorCode TipSet(Pencil self, PetscReal t, PencilFrame frame) {
   PencilTip *tip = &self->tip;
   PetscReal press, turns, before, after, map = self->map == map_follows ? t : self->map, g, m, L;
   const PetscReal one = 1;
-  StraightMotion at;
+  PetscReal drift;
 
   PetscFunctionBegin;
   PetscCall(StraightTip(self->scene, t - rate_step, &press, &turns, &before));
   PetscCall(StraightTip(self->scene, t + rate_step, &press, &turns, &after));
   PetscCall(StraightTip(self->scene, t, &press, &tip->turns, &tip->drags));
   tip->drags_rate = (after - before) / (2 * rate_step);
-  PetscCall(StraightAt(self->scene, 1, t, &at));
-  if (frame == FRAME_ARC && self->growth->slides) tip->turns += tip->drags * at.p_t;
+  PetscCall(PencilDrift(self, 1, t, frame, &drift));
+  tip->turns += tip->drags * drift;
   PetscCall(GrowthStretch(self->growth, 1, &one, t, &g, NULL, NULL));
   PetscCall(GrowthStretch(self->growth, 1, &one, map, &m, NULL, NULL));
   PetscCall(GrowthLength(self->growth, map, &L, NULL));
@@ -278,8 +294,9 @@ static PetscErrorCode TipSet(Pencil self, PetscReal t, PencilFrame frame) {
   PencilSetTime - evaluates all coefficients at time t. Collective.
 
   frame   FRAME_LABEL: y_t at fixed s, what the time stepping sees; FRAME_ARC: y_t at fixed arc
-          length, the rod of frozen length that feed's eigenvalues are defined by. They differ for
-          laws that slide only.
+          length, the rod of frozen length that feed's eigenvalues are defined by; FRAME_TIP: at a
+          fixed distance from the tip, where a growth zone rests; FRAME_MATERIAL: of the material.
+          They differ for laws that slide only.
 */
 PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
   PetscInt labels = (self->mesh->cells - self->cell) * GAUSS + 1;

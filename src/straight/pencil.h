@@ -23,6 +23,7 @@
 static const PetscReal map_follows = -1;
 
 enum { HALF = 3, WIDTH = 2 * HALF + 1 }; /* of all bands: column i - HALF + b of row i at b */
+enum { PER_POINT = 10 };                 /* splines of a Gauss point: see Pencil.basis */
 
 /* the forms that can be assembled; the first basis is that of the rows */
 typedef enum {
@@ -41,8 +42,9 @@ typedef enum {
   FORM_TORQUE_T    /* its transpose */
 } PencilForm;
 
-/* For sliding laws the time derivative may be taken at fixed label s or at fixed arc length. */
-typedef enum { FRAME_LABEL, FRAME_ARC } PencilFrame;
+/* For sliding laws the time derivative may be taken at fixed label s, at fixed arc length, at a
+   fixed distance from the tip, or of the material. */
+typedef enum { FRAME_LABEL, FRAME_ARC, FRAME_TIP, FRAME_MATERIAL } PencilFrame;
 
 typedef struct {
   PetscReal dz, ds, g, g_z, P, B, drag, drag_rate, slide, ratio; /* at a Gauss point; g = dp/dz */
@@ -92,6 +94,8 @@ PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscR
                             StraightWay way, Pencil *pencil);
 PetscErrorCode PencilDestroy(Pencil *pencil);
 PetscErrorCode PencilSetTime(Pencil pencil, PetscReal t, PencilFrame frame);
+PetscErrorCode PencilDrift(Pencil pencil, PetscReal s, PetscReal t, PencilFrame frame,
+                           PetscReal *drift);
 PetscErrorCode PencilBound(Pencil pencil, PetscReal *bound);
 PetscErrorCode PencilBand(Pencil pencil, PencilForm form, PetscReal band[]);
 PetscErrorCode PencilMatrix(Pencil pencil, PencilForm form, Mat *A);

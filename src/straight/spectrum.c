@@ -1,6 +1,7 @@
 #include "straight/spectrum.h"
 #include "base/band.h"
 #include "base/chain.h"
+#include "straight/dense.h"
 #include "straight/straight.h"
 #include <slepcblaslapack.h>
 
@@ -514,24 +515,6 @@ PetscErrorCode SpectrumDense(Pencil p, PetscReal shift, PetscBool symmetric, Pet
   Scale(all * all, T, units.force);
   PetscCall(BandDestroy(&A));
   PetscCall(PetscFree3(D, R, column));
-  PetscFunctionReturn(0);
-}
-
-/* All eigenvalues of a dense matrix, and if VL is given its left eigenvectors by columns (re, im).
- */
-static PetscErrorCode DenseEigenvalues(PetscInt n, PetscReal T[], PetscReal re[], PetscReal im[],
-                                       PetscReal *VL) {
-  PetscBLASInt nb, one = 1, lwork, info;
-  PetscReal *work, none;
-
-  PetscFunctionBegin;
-  PetscCall(PetscBLASIntCast(n, &nb));
-  PetscCall(PetscBLASIntCast(40 * n, &lwork));
-  PetscCall(PetscMalloc1(lwork, &work));
-  PetscCallBLAS("LAPACKgeev", LAPACKgeev_(VL ? "V" : "N", "N", &nb, T, &nb, re, im, VL ? VL : &none,
-                                          VL ? &nb : &one, &none, &one, work, &lwork, &info));
-  PetscCheck(!info, PETSC_COMM_SELF, PETSC_ERR_LIB, "dgeev failed: %d", (int)info);
-  PetscCall(PetscFree(work));
   PetscFunctionReturn(0);
 }
 

@@ -1,5 +1,7 @@
 #include "system/model.h"
 #include "rod/ask.h"
+#include "rod/rules.h"
+#include "rod/strand_rows.h"
 #include <petsc/private/petscimpl.h> /* PetscObjectStateSet() */
 
 /* The parts of a state that are one rod's. They are the same vectors in each state, and count as
@@ -12,10 +14,29 @@ typedef struct {
   RodModel model; /* of all */
   PetscInt *at;
   Part *part;
+  Joints joints;            /* borrowed */
+  StrandRows rows;          /* of those that touch; NULL: none can */
   Mat window;               /* the part of a matrix that is one rod's: see Window */
   RodSeen seen;             /* the latest state, */
   PetscObjectState changes; /* the how manieth that is */
 } System;
+
+/* ---- strands ---- */
+
+/* What strands do to each rod in a state, or that of none. */
+static PetscErrorCode PushEach(Rod rod, const RodState *at) {
+  const System *self = (const System *)rod->data;
+  const PetscReal(*force)[3], (*couple)[3];
+
+  PetscFunctionBegin;
+  if (!self->rows) PetscFunctionReturn(0);
+  PetscCall(StrandRowsLoad(rod, self->rows, at, &force, &couple));
+  for (PetscInt k = 0; k < rod->rods; k++)
+    rod->each[k]->pushed = (RodPushed){.force = force + 2 * self->at[k],
+                                       .couple = couple + 2 * self->at[k],
+                                       .cells = StrandRowsCell(rod, self->rows, self->at[k])};
+  PetscFunctionReturn(0);
+}
 
 /* ---- states ---- */
 
@@ -28,6 +49,7 @@ static PetscErrorCode Enter(Rod rod, const RodState *at, Vec F) {
   PetscScalar *f = NULL;
 
   PetscFunctionBegin;
+  PetscCall(PushEach(rod, at));
   PetscCall(RodRecognise(at, &self->seen, &known));
   if (!known) self->changes++;
   PetscCall(VecGetArrayRead(at->U, &u));
@@ -79,6 +101,7 @@ static PetscErrorCode Residual(Rod rod, const RodState *at, Vec F) {
     PetscCall(rod->each[k]->model->residual(rod->each[k], &own, ((System *)rod->data)->part[k].F));
   }
   PetscCall(Leave(rod, F));
+  PetscCall(JointsResidual(((System *)rod->data)->joints, rod, at->t, at->U, F));
   PetscFunctionReturn(0);
 }
 
@@ -137,15 +160,18 @@ static PetscErrorCode OpenWindow(PetscInt nodes, PetscInt fields, Mat *part) {
   PetscFunctionReturn(0);
 }
 
-/* The matrix of all: the rods' own, which it is without what they do to each other. */
+/* The matrix of all: the rods' own, and what they do to each other, which adds to blocks. */
 static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
   const System *self = (const System *)rod->data;
   Window *window;
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(self->window, &window));
-  PetscCall(MatZeroEntries(J));
   PetscCall(Enter(rod, at, NULL));
+  if (self->rows)
+    PetscCall(StrandRowsPattern(rod, self->rows, at->fresh, J));
+  else
+    PetscCall(MatZeroEntries(J));
   window->whole = J;
   for (PetscInt k = 0; k < rod->rods; k++) {
     const RodState own = StateOf(rod, k, at);
@@ -153,6 +179,10 @@ static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
     PetscCall(rod->each[k]->model->jacobian(rod->each[k], &own, self->window));
   }
   PetscCall(Leave(rod, NULL));
+  PetscCall(MatAssemblyBegin(J, MAT_FLUSH_ASSEMBLY));
+  PetscCall(MatAssemblyEnd(J, MAT_FLUSH_ASSEMBLY));
+  if (self->rows) PetscCall(StrandRowsJacobian(rod, self->rows, at, J));
+  PetscCall(JointsJacobian(self->joints, rod, at->t, at->U, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -231,6 +261,7 @@ static PetscErrorCode Destroy(Rod rod) {
     PetscCall(VecDestroy(&self->part[k].F));
     PetscCall(RodDestroy(&rod->each[k]));
   }
+  PetscCall(StrandRowsDestroy(&self->rows));
   PetscCall(SceneShareEnd(&rod->scene));
   PetscCall(MatDestroy(&self->window));
   PetscCall(PetscFree(self->at));
@@ -278,6 +309,17 @@ static void MakeModel(const RodModel *of_each, RodModel *model) {
   model->recalled = Recalled;
 }
 
+/* Rods that feel each other are measured against a part of the longest of them. */
+static PetscErrorCode Measures(Rod rod) {
+  PetscReal length;
+
+  PetscFunctionBegin;
+  if (!rod->coupled) PetscFunctionReturn(0);
+  PetscCall(RodLength(rod, 0, &length));
+  for (PetscInt k = 0; k < rod->rods; k++) rod->each[k]->least = rod_rule.joined_part * length;
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode MakeParts(Rod rod) {
   System *self = (System *)rod->data;
   const PetscInt fields = rod->model->fields;
@@ -303,9 +345,11 @@ static PetscErrorCode MakeParts(Rod rod) {
   SystemCreate - n rods of one model, which go together, on this rank. They are its own from now on;
   the caller destroys it with RodDestroy(), before their scenes.
 
-  each  with their units
+  each     with their units
+  joints   of them; must outlive it, as
+  strands  of those that may touch; NULL: none can
 */
-PetscErrorCode SystemCreate(PetscInt n, Rod each[], Rod *rod) {
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands strands, Rod *rod) {
   System *system;
   Rod self;
 
@@ -320,14 +364,21 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Rod *rod) {
   self->alone = PETSC_TRUE;
   self->order = each[0]->order;
   self->rods = n;
+  system->joints = joints;
+  for (PetscInt k = 0; k < n; k++)
+    if (each[k]->scene->clamp != CLAMP_HELD || each[k]->coupled) self->coupled = PETSC_TRUE;
+  if (JointsCount(joints) > 0) self->coupled = PETSC_TRUE;
   PetscCall(PetscMalloc1(n, &self->each));
   PetscCall(PetscArraycpy(self->each, each, n));
   PetscCall(SceneShare(each[0]->scene, &self->scene));
   PetscCall(MakeParts(self));
+  PetscCall(Measures(self));
   Units(self);
   self->end = system->at[n];
   self->last = self->end - 1;
   PetscCall(OpenWindow(self->end, self->model->fields, &system->window));
+  if (strands) PetscCall(StrandRowsCreate(self, strands, &system->rows));
+  if (strands) self->coupled = PETSC_TRUE;
   for (int k = 0; k < 2; k++) self->kept[k].t = PETSC_MIN_REAL;
   PetscCall(DMDACreate1d(PETSC_COMM_SELF, DM_BOUNDARY_NONE, self->end, self->model->fields, 1, NULL,
                          &self->da));

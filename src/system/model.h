@@ -3,8 +3,8 @@
 #ifndef TENDRIL_SYSTEM_MODEL_H
 #define TENDRIL_SYSTEM_MODEL_H
 
-#include "rod/rod.h"
+#include "system/joints.h"
 
-PetscErrorCode SystemCreate(PetscInt n, Rod each[], Rod *rod);
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands strands, Rod *rod);
 
 #endif

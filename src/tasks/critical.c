@@ -3,6 +3,7 @@
 #include "base/root.h"
 #include "record/output.h"
 #include "scene/scales.h"
+#include "straight/senses.h"
 #include "straight/spectrum.h"
 #include "straight/straight.h"
 #include "tasks/peak.h"
@@ -17,6 +18,9 @@ const char *const critical_name[] = {"t", "length", "error", "frequency"},
 enum { SHARED_CELLS = 5000, SCAN_CELLS = 64, SCAN_STEPS = 100 };
 /* Where tables bend so often that looks are many, a mesh of so few cells looks first. */
 enum { MANY_BENDS = 2000, GLANCE_CELLS = 16 };
+/* Of a rod whose material learns all modes are looked at on so many cells, and followed from there.
+ */
+enum { LEARNED_CELLS = 24 };
 
 /* A root is found to this part of the time. */
 static const PetscReal root_found = 2e-13;
@@ -26,7 +30,9 @@ typedef struct {
   Mesh mesh;
   Pencil pencil;
   Spectrum spectrum;
-  PetscBool dense;     /* all eigenvalues of a small matrix, to be sure of the rightmost */
+  PetscBool dense;  /* all eigenvalues of a small matrix, to be sure of the rightmost */
+  PetscBool learns; /* natural curvature: of few cells, and of all */
+  Senses few, all;
   PetscReal frequency; /* of the latest evaluation */
   PetscReal *c, *w;    /* its mode, if asked for */
 } Factor;
@@ -45,6 +51,12 @@ static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, PetscInt cells, S
                                    PetscBool dense, PetscBool quiet, Factor *self) {
   PetscFunctionBegin;
   self->dense = dense;
+  self->learns = scene->tropism.any;
+  if (self->learns) {
+    PetscCall(SensesCreate(scene, LEARNED_CELLS, way, &self->few));
+    PetscCall(SensesCreate(scene, cells, way, &self->all));
+    PetscFunctionReturn(0);
+  }
   PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
   PetscCall(PencilCreate(comm, scene, &self->mesh, map_follows, way, &self->pencil));
   PetscCall(SpectrumCreate(self->pencil, quiet, &self->spectrum));
@@ -53,6 +65,8 @@ static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, PetscInt cells, S
 
 static PetscErrorCode FactorDestroy(Factor *self) {
   PetscFunctionBegin;
+  PetscCall(SensesDestroy(&self->few));
+  PetscCall(SensesDestroy(&self->all));
   PetscCall(SpectrumDestroy(&self->spectrum));
   PetscCall(PencilDestroy(&self->pencil));
   PetscCall(MeshDestroy(&self->mesh));
@@ -64,7 +78,7 @@ static PetscErrorCode FactorDestroy(Factor *self) {
    free. */
 static PetscBool ByRatio(const Factor *self) {
   const Pencil p = self->pencil;
-  return (PetscBool)(!p->skew && !p->held && p->ways == 1);
+  return (PetscBool)(!self->learns && !p->skew && !p->held && p->ways == 1);
 }
 
 /* By ratio, ln(ratio) of SpectrumBuckling(), nearly straight over ln
@@ -75,7 +89,11 @@ static PetscErrorCode FactorAt(void *factor, PetscReal t, PetscReal *f) {
   Eigenvalue value;
 
   PetscFunctionBegin;
-  if (ByRatio(self)) {
+  if (self->learns) {
+    PetscCall(SensesRightmost(&self->few, t, &value));
+    if (!self->dense) PetscCall(SensesNear(&self->all, t, &value, self->c, self->w));
+    *f = value.value;
+  } else if (ByRatio(self)) {
     PetscCall(SpectrumBuckling(&self->spectrum, t, &value, self->c, self->w));
     *f = value.value > 0 ? PetscLogReal(value.value) : PETSC_MIN_REAL;
   } else {
@@ -89,8 +107,11 @@ static PetscErrorCode FactorAt(void *factor, PetscReal t, PetscReal *f) {
   PetscFunctionReturn(0);
 }
 
-/* Is there no axial force anywhere? Of a pencil on one rank. */
-static PetscBool Idle(Pencil p) {
+/* Is there no axial force anywhere? On one rank; what senses may swing without any. */
+static PetscBool Idle(const Factor *self) {
+  const Pencil p = self->pencil;
+
+  if (self->learns) return PETSC_FALSE;
   for (PetscInt k = 0; k < p->cells * GAUSS; k++)
     if (p->point[k].P != 0) return PETSC_FALSE;
   return PETSC_TRUE;
@@ -199,7 +220,7 @@ static PetscErrorCode ScanWith(Factor *coarse, Factor *glance, Scene scene, Sigh
   PetscFunctionBegin;
   PetscCall(FactorAt(coarse, 0, &f));
   pulled = (PetscBool)(f == PETSC_MIN_REAL);
-  idle = Idle(coarse->pencil);
+  idle = Idle(coarse);
   sight->fate = UNSTABLE;
   if (f >= 0) PetscFunctionReturn(0);
   sight->at[2].level = LevelOf(coarse, f);
@@ -207,7 +228,7 @@ static PetscErrorCode ScanWith(Factor *coarse, Factor *glance, Scene scene, Sigh
     PetscCall(NextLook(scene, sight));
     PetscCall(Glance(coarse, glance, sight->high, &f));
     pulled = (PetscBool)(pulled && f == PETSC_MIN_REAL);
-    idle = (PetscBool)(idle && Idle(glance ? glance->pencil : coarse->pencil));
+    idle = (PetscBool)(idle && Idle(glance ? glance : coarse));
     if (sight->bends.n) PetscCall(LookForPeak(coarse, sight, &f));
   }
   sight->fate = f >= 0 ? CROSSES : !pulled ? STABLE : idle ? IDLE : PULLED;
@@ -222,7 +243,7 @@ static PetscErrorCode Scan(Scene scene, StraightWay way, Sight *sight) {
   PetscFunctionBegin;
   error = SceneBends(scene, straight_on, &sight->bends);
   sight->bent = sight->bends.n;
-  many = (PetscBool)(sight->bent > MANY_BENDS && IsSmooth(scene));
+  many = (PetscBool)(sight->bent > MANY_BENDS && IsSmooth(scene) && !scene->tropism.any);
   if (!error)
     error = FactorCreate(PETSC_COMM_SELF, scene, SCAN_CELLS, way, PETSC_TRUE, PETSC_TRUE, &coarse);
   if (!error && many)
@@ -327,7 +348,7 @@ static void TurnMode(const Critical *self, PetscBool round) {
 
 /* The mode at the nodes. */
 static PetscErrorCode StoreMode(Scene scene, const Factor *factor, Critical *self) {
-  Pencil p = factor->pencil;
+  const Pencil p = factor->learns ? factor->all.pencil : factor->pencil;
 
   PetscFunctionBegin;
   self->n = p->mesh->cells + 1;
@@ -395,7 +416,7 @@ static PetscErrorCode ThirdChange(Scene scene, const Factor *fine, MPI_Comm comm
   if (growth->even && growth->finest == 0 && !scene->load.field && !scene->stiffness.varies)
     PetscFunctionReturn(0);
   *change = self->length;
-  PetscCall(GrowthArc(growth, 2, &fine->pencil->node[cells - 1], t, p, NULL));
+  if (!fine->learns) PetscCall(GrowthArc(growth, 2, &fine->pencil->node[cells - 1], t, p, NULL));
   if (growth->finest > 0 && p[1] - p[0] > growth->finest) PetscFunctionReturn(0);
   PetscCall(
       OnOther(scene, comm, (3 * cells + 2) / 4, self->way, quiet, t - near, t + near, &t, &fate));
@@ -423,7 +444,8 @@ static PetscErrorCode FindWith(Factor *fine, Scene scene, PetscBool quiet, Criti
   PetscCall(OnOther(scene, comm, (cells + 1) / 2, self->way, quiet, sight.low, sight.high, &half_t,
                     fate));
   if (*fate == PULLED) PetscFunctionReturn(0);
-  n = fine->pencil->ways * fine->pencil->n;
+  n = fine->learns ? cells + 1 + (scene->clamp == CLAMP_HINGED)
+                   : fine->pencil->ways * fine->pencil->n;
   PetscCall(PetscMalloc2(n, &fine->c, n, &fine->w));
   if (sight.bent && (half_t < sight.low || half_t > sight.high)) /* passed over by half a mesh */
     PetscCall(OnMesh(scene, fine, sight.low, sight.high, &self->t, fate));
@@ -432,7 +454,7 @@ static PetscErrorCode FindWith(Factor *fine, Scene scene, PetscBool quiet, Criti
   if (*fate != CROSSES) PetscFunctionReturn(0);
   PetscCall(GrowthLength(scene->growth, self->t, &self->length, NULL));
   self->frequency = fine->frequency;
-  if (fine->pencil->ways > 1) self->twisting = fine->pencil->moment;
+  if (!fine->learns && fine->pencil->ways > 1) self->twisting = fine->pencil->moment;
   PetscCall(ThirdChange(scene, fine, comm, quiet, self, &change));
   self->error = PetscAbsReal(self->t - half_t) + change +
                 PetscMax(1, self->length) * (1e-14 + 1e-17 * PetscSqr((PetscReal)n));
@@ -471,8 +493,17 @@ const char *CriticalLooks(const Critical *self, char text[], size_t size) {
 /* A rod that has no critical time to be told is told why. */
 static PetscErrorCode CheckFate(Scene scene, const Critical *self, Fate fate) {
   char text[64], looks[128];
+  const Tropism *law = &scene->tropism;
 
   PetscFunctionBegin;
+  UserCheck(fate != UNSTABLE || law->senses || law->ironing == 0 || law->proprioception > 0,
+            scene->comm,
+            "-growth_ironing: without -tropism_proprioception any thrust makes the straight rod "
+            "creep out of line, so it has no critical length; -task stability tells how fast");
+  UserCheck(fate != UNSTABLE || !law->any, scene->comm,
+            "-growth_initial_length: the straight rod is unstable already at t = 0: take it "
+            "shorter, or more -tropism_proprioception, less -tropism_memory or -growth_ironing, "
+            "and -tropism_direction where it grows");
   UserCheck(
       fate != UNSTABLE, scene->comm,
       "-growth_initial_length: the straight rod is unstable already at t = 0, take it shorter");

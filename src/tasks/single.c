@@ -3,6 +3,7 @@
 #include "tasks/bent.h"
 #include "tasks/critical.h"
 #include "tasks/grow.h"
+#include "straight/twist.h"
 #include "tasks/stability.h"
 
 /* SingleShape - the slowest mode as initial shape, if that is asked for: the scene alone cannot
@@ -98,18 +99,42 @@ static PetscErrorCode CheckStraight(Scene scene) {
   PetscFunctionReturn(0);
 }
 
+/* ... also of a rod whose material learns: nothing that it senses may bend it. */
+static PetscErrorCode CheckLearns(Scene scene, PetscBool bent) {
+  const Tropism *law = &scene->tropism;
+  const char *const about = "-task critical and stability are about a straight rod";
+
+  PetscFunctionBegin;
+  if (!law->any) PetscFunctionReturn(0);
+  UserCheck(!bent, scene->comm,
+            "-tropism_, -growth_ironing: the modes of a bent rod are known of one whose material "
+            "learns nothing; take them out, or what bends it");
+  UserCheck(law->nutation[0] == 0 && law->nutation[1] == 0, scene->comm,
+            "-tropism_nutation: %s, which nutation bends; take it out", about);
+  UserCheck(law->gravity == 0 || SpaceIsAlong(law->direction), scene->comm,
+            "-tropism_direction: %s, and one that grows in another direction than its clamp's "
+            "bends; give that of the clamp",
+            about);
+  UserCheck(law->light == 0 || SpaceIsAlong(law->source), scene->comm,
+            "-tropism_source: %s, and a lamp beside it bends it; put it before the clamp", about);
+  UserCheck(!StraightIsTwisted(scene), scene->comm,
+            "-tropism_, -growth_ironing: -task critical and stability know twist of a rod whose "
+            "material learns nothing; take one of both out");
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode RunTask(Scene scene, const Single *asked, Member *member) {
   PetscBool bent = PETSC_FALSE;
 
   PetscFunctionBegin;
-  UserCheck(!scene->tropism.any || asked->task == TASK_GROW, scene->comm,
-            "%s: -task critical and stability do not know of %s; take it out",
-            scene->growth->yield > 0 ? "-growth_yield" : "-tropism_, -growth_ironing",
-            scene->growth->yield > 0 ? "growth that feels force"
-                                     : "a natural curvature that the material learns");
+  UserCheck(scene->growth->yield == 0 || asked->task == TASK_GROW, scene->comm,
+            "-growth_yield: -task critical and stability do not know of growth that feels force; "
+            "take it out");
   if (asked->task == TASK_CRITICAL) PetscCall(BentAsked(scene, &bent));
   if (!bent && (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL))
     PetscCall(CheckStraight(scene));
+  if (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL)
+    PetscCall(CheckLearns(scene, bent));
   if (member && asked->task == TASK_GROW)
     PetscCall(GrowMember(scene, asked->output, member));
   else if (member)

@@ -3,6 +3,7 @@
 #include "base/root.h"
 #include "scene/scales.h"
 #include "straight/norm.h"
+#include "straight/senses.h"
 #include "record/output.h"
 #include "straight/transient.h"
 #include "tasks/peak.h"
@@ -12,6 +13,8 @@ enum { SHARED_VERTICES = 5000 };
 /* Where tables bend, between the points of the table of curves, a mesh of so many vertices looks.
  */
 enum { FEW_VERTICES = 65, MOST_BENDS = 5000 };
+/* Of a rod whose material learns all modes are looked at on so many cells. */
+enum { LEARNED_CELLS = 32 };
 enum { MODE_CELLS = 400, MOST_DENSE = 4000, MARGIN_POINTS = 4 };
 /* A change of sign is found to this part of the time: curves of norms are no better than that. */
 static const PetscReal crossing_found = 1e-11;
@@ -74,6 +77,8 @@ typedef struct {
   Pencil follow, fixed; /* z moving with t for A, fixed at t_cr for the norms */
   Spectrum modes, friction;
   Norm l2, left;
+  Senses few,
+      all; /* in their place, of a rod whose material learns: modes of few cells, and of all */
 } Solvers;
 
 typedef struct _Stability Stability;
@@ -86,6 +91,7 @@ struct _Stability {
   PetscInt ways; /* to look at by themselves, see StraightWays() */
   Solvers of[MOST_WAYS];
   PetscBool twisted; /* x2 and x3 are joined */
+  PetscBool learns;  /* what the material learns is a part of each mode */
   PetscBool quiet;   /* takes no options of solvers */
   PetscBool has[CURVES];
   Critical critical;
@@ -164,7 +170,7 @@ static PetscErrorCode CreateLeft(Stability *self, Solvers *of) {
 
 /* Which curves there are. Norms that take left eigenvectors or plain L2 are of one direction. */
 static PetscErrorCode ChooseCurves(Stability *self) {
-  const PetscBool all = (PetscBool)!self->set.only_modes,
+  const PetscBool all = (PetscBool)(!self->set.only_modes && !self->learns),
                   norms = (PetscBool)(all && !self->twisted);
 
   PetscFunctionBegin;
@@ -176,6 +182,10 @@ static PetscErrorCode ChooseCurves(Stability *self) {
     PetscCall(PetscPrintf(OptionsComm(),
                           "the L2 and W norms and the transient growth left out: they are of one "
                           "direction across, and twist joins both\n"));
+  if (self->learns && !self->set.only_modes)
+    PetscCall(PetscPrintf(OptionsComm(),
+                          "norms and transient growth left out: they are of a rod whose material "
+                          "learns nothing\n"));
   PetscFunctionReturn(0);
 }
 
@@ -183,6 +193,7 @@ static PetscErrorCode CreateSolvers(Stability *self, Solvers *of) {
   Scene scene = self->scene;
 
   PetscFunctionBegin;
+  if (self->learns) PetscFunctionReturn(0);
   PetscCall(SpectrumCreate(of->follow, PETSC_TRUE, &of->friction));
   if (!self->has[CURVE_L2]) PetscFunctionReturn(0);
   PetscCall(PencilCreate(self->comm, scene, &self->mesh, self->critical.t, of->way, &of->fixed));
@@ -205,10 +216,16 @@ static PetscErrorCode CreateMesh(Stability *self) {
   PetscCall(
       MeshCreate(self->set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
   self->twisted = StraightIsTwisted(scene);
+  self->learns = scene->tropism.any;
   self->ways = StraightWays(scene, way);
   for (PetscInt k = 0; k < self->ways; k++) {
     Solvers *of = &self->of[k];
     of->way = way[k];
+    if (self->learns) {
+      PetscCall(SensesCreate(scene, LEARNED_CELLS, of->way, &of->few));
+      PetscCall(SensesCreate(scene, self->set.vertices - 1, of->way, &of->all));
+      continue;
+    }
     PetscCall(PencilCreate(self->comm, scene, &self->mesh, map_follows, of->way, &of->follow));
     PetscCall(SpectrumCreate(of->follow, (PetscBool)(k > 0 || self->quiet), &of->modes));
   }
@@ -246,6 +263,11 @@ static PetscErrorCode CurveOf(Stability *self, Solvers *of, Curve curve, PetscRe
   PetscFunctionBegin;
   switch (curve) {
   case CURVE_A:
+    if (self->learns) {
+      PetscCall(SensesRightmost(&of->few, t, value));
+      PetscCall(SensesNear(&of->all, t, value, NULL, NULL));
+      break;
+    }
     PetscCall(SpectrumLargest(&of->modes, RATE_A, t, value, NULL, NULL));
     break;
   case CURVE_FRICTION:
@@ -378,7 +400,8 @@ static PetscErrorCode WhereTablesBend(Stability *self, Curve curve, PetscReal a,
 }
 
 /* How long a curve stays negative from the start on, judged at the points of the table, where
-   tables of the scene bend between them, and, if it does all along, at a few more behind t_cr. */
+   tables of the scene bend between them, and, if it does all along, at a few more behind t_cr if
+   that was looked for. */
 static PetscErrorCode Verdict(Stability *self, Curve curve) {
   const Settings *set = &self->set;
   const PetscReal *f = self->value[curve], margin = 0.01 * self->critical.length;
@@ -387,8 +410,11 @@ static PetscErrorCode Verdict(Stability *self, Curve curve) {
 
   PetscFunctionBegin;
   self->until[curve] = set->start;
-  if (curve == CURVE_A) self->until[curve] = PetscMax(set->start, self->critical.t);
-  if (curve == CURVE_A || f[0] >= 0) PetscFunctionReturn(0);
+  if (curve == CURVE_A && self->critical.n) {
+    self->until[curve] = PetscMax(set->start, self->critical.t);
+    PetscFunctionReturn(0);
+  }
+  if (f[0] >= 0) PetscFunctionReturn(0);
   for (PetscInt i = 1; i < set->points; i++) {
     PetscCall(WhereTablesBend(self, curve, self->t[i - 1], f[i - 1], self->t[i],
                               &self->until[curve], &found));
@@ -397,7 +423,7 @@ static PetscErrorCode Verdict(Stability *self, Curve curve) {
           Crossing(self, curve, self->t[i - 1], f[i - 1], self->t[i], f[i], &self->until[curve]));
     if (found || f[i] >= 0) PetscFunctionReturn(0);
   }
-  for (int k = 1; k <= MARGIN_POINTS; k++) {
+  for (int k = 1; k <= MARGIN_POINTS && self->critical.n; k++) {
     PetscReal b = PetscMax(a, self->critical.t + k * margin * (k > 1));
     Eigenvalue value;
     if (k == 1) b = PetscMax(set->end, self->critical.t) + margin;
@@ -508,6 +534,7 @@ static PetscErrorCode WriteTable(HdfFile file, Stability *self) {
     PetscCall(HdfWrite(file, name, 1, &self->set.points, self->modes[k], "V/l",
                        "lambda_max_A of deflections in this direction [k]"));
   }
+  if (!self->critical.n) PetscFunctionReturn(0);
   PetscCall(WriteScalar(file, "/stability/t_cr", self->critical.t, "l/V", "critical time"));
   PetscCall(WriteScalar(file, "/stability/t_cr_error", self->critical.error, "l/V",
                         "bound on its error"));
@@ -630,6 +657,8 @@ static PetscErrorCode Destroy(Stability *self) {
     Solvers *of = &self->of[k];
     PetscCall(SpectrumDestroy(&of->modes));
     PetscCall(SpectrumDestroy(&of->friction));
+    PetscCall(SensesDestroy(&of->few));
+    PetscCall(SensesDestroy(&of->all));
     if (of->l2.pencil) PetscCall(NormDestroy(&of->l2));
     if (of->left.pencil) PetscCall(NormDestroy(&of->left));
     PetscCall(PencilDestroy(&of->follow));
@@ -661,6 +690,9 @@ static PetscErrorCode Open(Stability *self, const char *output) {
   UserCheck(scene->tip.type == TIP_FREE, scene->comm,
             "-tip_type: -task stability is about a free tip; -task critical knows the others");
   PetscCall(ReadSettings(scene, &self->set));
+  UserCheck(!scene->tropism.any || !self->set.shape[0], scene->comm,
+            "-stability_optimal_shape: what grows most is known of a rod whose material learns "
+            "nothing; take it out");
   self->comm = self->set.vertices < SHARED_VERTICES ? PETSC_COMM_SELF : scene->comm;
   PetscCall(CreateMesh(self));
   PetscCall(ReadSolverOptions());
@@ -677,20 +709,30 @@ static PetscErrorCode TellScales(const Stability *self) {
   const Mesh labels = {self->critical.n - 1, self->critical.s};
 
   PetscFunctionBegin;
-  PetscCall(ScalesTell(self->scene, &labels, "-rod_cells", labels.cells, self->critical.t));
+  if (self->critical.n)
+    PetscCall(ScalesTell(self->scene, &labels, "-rod_cells", labels.cells, self->critical.t));
   PetscCall(ScalesTell(self->scene, &self->mesh, "-stability_vertices", self->set.vertices,
                        self->set.end));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Compute(Stability *self) {
+/* When the straight rod turns unstable. Not looked for where the end of the table is given and the
+   material learns: such a rod may swing whatever its length. */
+static PetscErrorCode FindCritical(Stability *self) {
   PetscFunctionBegin;
+  if (self->learns && self->set.end_given) PetscFunctionReturn(0);
   PetscCall(CriticalFind(self->scene, PETSC_TRUE, &self->critical));
-  PetscCall(CompleteSettings(&self->set, self->critical.t));
-  PetscCall(TellScales(self));
   PetscCall(PetscPrintf(OptionsComm(), "critical time t = %.12g, error below %.1e\n",
                         (double)self->critical.t, (double)self->critical.error));
   PetscCall(CriticalPrintLaboratory(OptionsComm(), &self->critical));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Compute(Stability *self) {
+  PetscFunctionBegin;
+  PetscCall(FindCritical(self));
+  PetscCall(CompleteSettings(&self->set, self->critical.t));
+  PetscCall(TellScales(self));
   PetscCall(PetscMalloc2(self->set.points, &self->t, self->set.points, &self->frequency));
   for (int c = 0; c < CURVES; c++) PetscCall(PetscCalloc1(self->set.points, &self->value[c]));
   for (PetscInt k = 0; k < self->ways; k++)
@@ -703,7 +745,7 @@ static PetscErrorCode Compute(Stability *self) {
     if (self->has[c]) PetscCall(Verdict(self, (Curve)c));
   PetscCall(PrintVerdict(self));
   PetscCall(WriteTable(self->file, self));
-  if (self->set.transient && !self->twisted)
+  if (self->set.transient && !self->twisted && !self->learns)
     PetscCall(Transient(self, self->file, self->shape_file));
   PetscFunctionReturn(0);
 }

@@ -290,12 +290,16 @@ static void TurnFrom(const PetscReal held[4], const PetscReal p[4], PetscReal v[
 }
 
 /* TipResidual3 - the six conditions at the tip in space, r = 0: m = torque d1, or the frame it is
-   held at; n = f, or the place. */
+   held at; n = f, or the place. Of one that another rod holds they are not known here: 0. */
 void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual *dual,
                   PetscReal r[TIP_ROWS3]) {
   PetscReal f[RUBS] = {0, 0, 0, tip->torque};
   PathPlace held = {.angle = 0};
 
+  if (tip->type == TIP_CARRIED) {
+    memset(r, 0, TIP_ROWS3 * sizeof(*r));
+    return;
+  }
   if (tip->type != TIP_FREE) Held(tip, at->at.t, &held);
   if (!TipHolds(tip, 0)) TipForce(3, tip, at, dual, f);
   if (TipPoints(tip)) TurnFrom(held.p, at->p, r);
@@ -353,6 +357,7 @@ void TipJacobian3(const Tip *tip, const TipState *at, const PetscReal dW[RUBS][T
 
   for (int i = 0; i < TIP_ROWS3; i++)
     for (int j = 0; j < TIP_FIELDS3; j++) J[i][j] = 0;
+  if (tip->type == TIP_CARRIED) return;
   if (TipPoints(tip)) {
     Held(tip, at->at.t, &held);
     for (int k = 0; k < 4; k++) {

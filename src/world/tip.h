@@ -3,6 +3,7 @@
      pinned    m = 0,  x as at the start
      clamped   theta and x as at the start
      slides    theta and x2 (in space x3, too) as at the start, n1 = f1
+     carried   another rod holds it, and has its conditions (system/joints.h)
    or, with a path (path.h), as that says over time.
    f is the force on the tip: none; dead, -P along the clamp; follower, -P q; resistance, -P N v/r,
    r = sqrt(v^2 + beta), N a field as for friction. A free tip that meets a wall is pushed by it,
@@ -14,7 +15,7 @@
 #include "world/load.h"
 #include "world/path.h"
 
-typedef enum { TIP_FREE, TIP_PINNED, TIP_CLAMPED, TIP_SLIDES } TipType;
+typedef enum { TIP_FREE, TIP_PINNED, TIP_CLAMPED, TIP_SLIDES, TIP_CARRIED } TipType;
 typedef enum { TIP_DEAD, TIP_FOLLOWER, TIP_RESISTANCE } TipLaw;
 
 enum { TIP_ROWS = 3, TIP_FIELDS = 6 };

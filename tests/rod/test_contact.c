@@ -413,7 +413,7 @@ static PetscReal WorkError(PetscInt cells) {
     state.u = nodes[k][0].x;
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
-    StrandsSum(strands, &sum);
+    StrandsSum(strands, 0, &sum);
     energy[k / 2] = sum.energy;
   }
   {
@@ -421,7 +421,7 @@ static PetscReal WorkError(PetscInt cells) {
         .t = t, .stride = NODE_VALUES, .between = NODE_BETWEEN, .u = nodes[1][0].x};
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
-    StrandsSum(strands, &sum);
+    StrandsSum(strands, 0, &sum);
   }
   force = StrandsForces(strands);
   EXPECT(sum.normal > 0.01, "nothing touches: %g", sum.normal);

@@ -154,7 +154,7 @@ static PetscReal WorkError(PetscInt cells) {
     state.u = nodes[which][0].x;
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
-    StrandsSum(strands, &sum);
+    StrandsSum(strands, 0, &sum);
     energy[which] = sum.energy;
   }
   force = StrandsForces(strands);
@@ -257,7 +257,7 @@ static void TestSpins(void **state) {
   StrandState at = {.t = 0, .stride = NODE_VALUES, .u = nodes[0].x, .u_t = nodes[0].x_t};
   CHECK(StrandsSearch(strands, &at));
   CHECK(StrandsLoad(strands, &at));
-  StrandsSum(strands, &sum);
+  StrandsSum(strands, 0, &sum);
   couple = StrandsCouples(strands);
   for (PetscInt k = 0; k < 2 * rod->last + 1; k++) {
     const PetscReal *s = scene->mesh.s;

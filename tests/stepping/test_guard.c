@@ -143,8 +143,8 @@ static PetscBool PassesItself(const PetscReal from[3], const PetscReal to[3]) {
   PetscBool passes, back;
   Loop(from[0], from[1], from[2], there[0]);
   Loop(to[0], to[1], to[2], there[1]);
-  CHECK(RodPassesItself(6, there[0], there[1], &passes));
-  CHECK(RodPassesItself(6, there[1], there[0], &back));
+  CHECK(RodPassesItself(6, NULL, there[0], there[1], &passes));
+  CHECK(RodPassesItself(6, NULL, there[1], there[0], &back));
   EXPECT(passes == back, "there %d, and back %d", passes, back);
   return passes;
 }

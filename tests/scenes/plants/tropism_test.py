@@ -333,8 +333,6 @@ def options_that_say_nothing_are_refused():
                           ("-growth_type feed -tropism_nutation 1", "-tropism_rate"),
                           ("-tropism_memory 1", "-tropism_memory"), ("-tropism_direction 0,1", "-tropism_direction"),
                           ("-growth_ironing 1 -rod_model linear", "-growth_ironing"),
-                          ("-growth_ironing 1 -task critical", "-growth_ironing"),
-                          ("-growth_ironing 1 -task stability", "-growth_ironing"),
                           ("-tropism_nutation 1 -tropism_nutation_2 1 -rod_model frame", "-tropism_nutation_2")):
         expect(word in tendril(options, 1), options)
 
