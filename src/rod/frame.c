@@ -565,7 +565,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     CellsNext(&cell, i);
     if (i == 0) YieldBegins(&cell, end);
     YieldBlocks(&cell, i, (PetscBool)(i == begin), at->shift, left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[AT_A], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], learned.clock[AT_A][0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? end[0] : NULL, &learned, left[0], right[0],
                             &learned.slope[AT_A], learned.clock[AT_A][0], NULL, room, J));
@@ -576,7 +576,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     PetscCall(PetscMemzero(end, sizeof(end)));
     for (int r = 0; r < TIP_ROWS; r++) PetscCall(PetscArraycpy(end[r], by[r], FIELDS));
     FrameYieldEnd(at->shift, end[LINE_HALF]);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], at->shift);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], learned.clock[AT_B][1], at->shift);
     LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B],
                             learned.clock[AT_B][1], end[0], room, J));
@@ -618,7 +618,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
     FrameLearnedCell(rod, i, cell.h, cell.a, cell.mid, cell.b, PETSC_TRUE,
                      (PetscBool)(i + 1 == rod->last), left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[AT_A], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     if (frame->strands && i >= rod->first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
@@ -626,7 +626,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, cell.b, at->shift, by);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], at->shift);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], NULL, at->shift);
     LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B], NULL,
                             by[0], room, J));
@@ -725,8 +725,8 @@ static void Condense(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
 
   FrameLearnedCell(rod, i, cell->h, cell->a, cell->mid, cell->b, new_a, new_b, left, right,
                    &learned);
-  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[AT_A], shift);
-  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[AT_B], shift);
+  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, shift);
+  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[AT_B], NULL, shift);
   LearnedCondense(rod, i, &learned, shift, left[0], right[0]);
   if (i + 1 == rod->last) LearnedSignalSlope(rod, &learned.slope[AT_B], shift);
 }

@@ -178,7 +178,8 @@ PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes);
 void SpaceLearnedLaws(Rod rod, PetscReal t);
 PetscErrorCode SpaceLearnedOpen(Rod rod, const RodState *at);
 void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid);
-void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, LearnedSlope *slope);
+void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const PetscReal (*u_p)[4],
+                       const PetscReal (*u_m)[3], LearnedSlope *slope);
 void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4]);
 
 /* space_defect.c */

@@ -19,6 +19,37 @@ struct _Body {
 
 /* ---- the spline ---- */
 
+/* Where the coefficients of the splines at a place begin. */
+static const PetscReal *Corner(const struct _Body *self, const EvenSplines e[SPACE]) {
+  const PetscInt row = self->n[0] + 2, sheet = row * (self->n[1] + 2);
+
+  return self->c + (size_t)e[SPACE - 1].first * (size_t)sheet +
+         (size_t)(e[1].first * row + e[0].first);
+}
+
+/* The value of the grid's spline, the same to the last digit as Evaluate() has it: most places are
+   farther from the surface than is asked, and no more of them need be known. */
+static PetscReal Value(const struct _Body *self, const PetscReal at[SPACE]) {
+  const PetscInt row = self->n[0] + 2, sheet = row * (self->n[1] + 2);
+  PetscReal value = 0;
+  EvenSplines e[SPACE];
+  const PetscReal *c;
+
+  for (int d = 0; d < SPACE; d++) (void)EvenValues(self->n[d], at[d], &e[d]);
+  c = Corner(self, e);
+  for (int k = 0; k < 4; k++, c += sheet) {
+    PetscReal v = 0;
+    for (int j = 0; j < 4; j++) {
+      const PetscReal *line = c + j * row;
+      PetscReal f = 0;
+      for (int i = 0; i < 4; i++) f += e[0].value[i] * line[i];
+      v += e[1].value[j] * f;
+    }
+    value += e[SPACE - 1].value[k] * v;
+  }
+  return value;
+}
+
 /* Of the grid's spline: value, gradient and second derivatives by grid units, one axis after the
    other; the second derivatives in the order 11, 12, 13, 22, 23, 33. */
 static void Evaluate(const struct _Body *self, const PetscReal at[SPACE], PetscReal *value,
@@ -28,7 +59,7 @@ static void Evaluate(const struct _Body *self, const PetscReal at[SPACE], PetscR
   const PetscReal *c;
 
   for (int d = 0; d < SPACE; d++) EvenEvaluate(self->n[d], at[d], &e[d]);
-  c = self->c + (size_t)up->first * (size_t)sheet + (size_t)(e[1].first * row + e[0].first);
+  c = Corner(self, e);
   *value = 0;
   for (int d = 0; d < SPACE; d++) slope[d] = 0;
   for (int k = 0; k < 6; k++) curve[k] = 0;
@@ -91,8 +122,9 @@ PetscBool BodyAt(Body self, const PetscReal x[3], PetscReal within, SurfacePoint
     at[d] = (x[d] - self->origin[d]) / self->spacing[d];
     if (!(at[d] >= 0 && at[d] <= self->n[d] - 1)) return PETSC_FALSE;
   }
+  /* (the flare but adds to it) */
+  if (self->sign * Value(self, at) >= within) return PETSC_FALSE;
   Evaluate(self, at, &value, slope, curve);
-  if (self->sign * value >= within) return PETSC_FALSE; /* the flare but adds to it */
   point->distance = self->sign * value;
   for (int d = 0; d < SPACE; d++) {
     point->normal[d] = self->sign * slope[d] / self->spacing[d];

@@ -699,7 +699,8 @@ def main():
     choice = parser.parse_args()
     os.environ.update(OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
                       OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                      OMPI_MCA_ess_singleton_isolated="1")  # no helper process: a quicker start
+                      OMPI_MCA_ess_singleton_isolated="1",  # no helper process: a quicker start
+                      OMPI_MCA_odls_base_sigkill_timeout="0")  # and no second's wait for the other ranks of a refusal
     tendril = str(Path(choice.tendril).resolve())
     count = failed = 0
 
