@@ -40,6 +40,7 @@ typedef PetscErrorCode (*StrandsMeet)(void *ctx, PetscInt a, PetscInt b, StrandM
 typedef struct {
   PetscReal t;
   PetscInt stride;
+  PetscInt between; /* reals between the place and what turns it: 0, but of nodes in the plane */
   const PetscReal *u, *u_t;
 } StrandState;
 
