@@ -519,7 +519,6 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   rate  of the friction that is felt
 */
 PetscErrorCode NewtonDetermines(Newton *newton, Vec U, PetscReal rate, PetscBool *determined) {
-  const PetscReal boundless = 1e12;
   RodState at = {.U = U, .fresh = PETSC_TRUE};
   KSPConvergedReason reason;
   PetscReal size[2];
@@ -546,7 +545,7 @@ PetscErrorCode NewtonDetermines(Newton *newton, Vec U, PetscReal rate, PetscBool
   PetscCall(KSPGetConvergedReason(ksp, &reason));
   PetscCall(VecNorm(b, NORM_INFINITY, &size[0]));
   PetscCall(VecNorm(x, NORM_INFINITY, &size[1]));
-  *determined = (PetscBool)(reason >= 0 && size[1] < boundless * size[0]);
+  *determined = (PetscBool)(reason >= 0 && size[1] < step_rule.boundless * size[0]);
   PetscCall(VecDestroy(&b));
   PetscCall(VecDestroy(&x));
   PetscCall(VecDestroy(&at.U_t));

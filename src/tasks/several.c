@@ -742,6 +742,7 @@ static PetscErrorCode Begin(Run *self) {
   PetscCall(RodsRefuseUnread(self->rods));
   PetscCall(OptionsRefuseUnread());
   self->file.rods = self->rods;
+  self->file.joints = self->joints;
   self->file.n = self->n;
   self->file.touch = (PetscBool)(self->strands[1] != NULL);
   self->file.each = self->output;
