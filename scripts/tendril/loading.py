@@ -223,7 +223,8 @@ def load_rods(path, attributes, groups, series, shapes, about) -> Several:
         check_series(one.series)
         check_shapes(one.shapes)
         check_attributes(path, one.attributes)
-    return Several(path, finished, options, attributes, series, shapes, units=about[0], notes=about[1], rods=rods)
+    return Several(path, finished, options, attributes, series, shapes, units=about[0], notes=about[1], rods=rods,
+                   touching=groups.get("pairs", Table()))
 
 
 def runs_of(given, who) -> list[Results]:

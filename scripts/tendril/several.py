@@ -3,6 +3,7 @@
     r = tendril.load("dish.h5")
     r["left"].series.tip_x1       a rod's results, as of a run of its own
     r.rods                        {name: results}
+    r.pairs[-1].force             where rods touch in the last stored shape: rods, s, force, gap
     r.series.energy               of all: sums, or the largest"""
 
 from __future__ import annotations
@@ -36,6 +37,16 @@ class Several(Results):
     """A result file of several rods. Its shapes hold all nodes, rod behind rod; a rod's own are its results'."""
 
     rods: dict[str, Results] = field(default_factory=dict)
+    touching: Table = field(default_factory=Table)  # /pairs of the file
+
+    @property
+    def pairs(self) -> list[Table]:
+        """Where rods touch each other, of each stored shape: names of the two, labels on either, the force on the first, the gap."""
+        if not self.touching:
+            raise ResultsError(f"{self.told}: its rods do not touch each other; give the scene a [pair ...] section")
+        names, first = list(self.rods), self.touching["first"]
+        return [Table({"rods": [tuple(names[int(k)] for k in two) for two in self.touching["rods"][a:b]]}
+                      | {name: self.touching[name][a:b] for name in ("s", "force", "gap")}) for a, b in zip(first[:-1], first[1:])]
 
     def __repr__(self):
         return f"<{self.name}: {len(self.rods)} rods, {', '.join(self.rods)}; {len(self.series.t)} steps to t = {self.series.t[-1]:g}>"

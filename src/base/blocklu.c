@@ -261,8 +261,6 @@ static PetscErrorCode Order(BlockLU *self) {
 
 /* ---- blocks ---- */
 
-/* (Left to itself the compiler makes vectors of other loops, and shuffles.) */
-typedef PetscReal Four __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(8)));
 enum { FOURS = MOST_WIDE / 4 };
 
 /* C -= A B */
@@ -300,22 +298,24 @@ ALWAYS_INLINE PetscBool Invert(const int fields, const int wide, PetscReal *rest
   int from[MOST_WIDE];
 
   for (int k = 0; k < fields; k++) {
-    PetscReal pivot[MOST_WIDE], f;
+    PetscReal f, column[MOST_WIDE];
+    Four pivot[FOURS], *row;
     from[k] = k;
     for (int i = k + 1; i < fields; i++)
       if (PetscAbsReal(A[i * wide + k]) > PetscAbsReal(A[from[k] * wide + k])) from[k] = i;
     f = 1 / A[from[k] * wide + k];
     if (!(PetscAbsReal(f) <= PETSC_MAX_REAL)) return PETSC_FALSE;
-    for (int j = 0; j < wide; j++) pivot[j] = A[from[k] * wide + j];
-    for (int j = 0; j < wide; j++) A[from[k] * wide + j] = A[k * wide + j];
-    pivot[k] = 1;
-    for (int j = 0; j < wide; j++) pivot[j] *= f;
+    row = (Four *)(A + from[k] * wide);
+    for (int m = 0; m < wide / 4; m++) pivot[m] = row[m] * f;
+    for (int m = 0; m < wide / 4; m++) row[m] = ((Four *)(A + k * wide))[m];
+    for (int i = 0; i < fields; i++) column[i] = A[i * wide + k];
     for (int i = 0; i < fields; i++) {
-      const PetscReal a = A[i * wide + k];
-      A[i * wide + k] = 0;
-      for (int m = 0; m < wide / 4; m++) ((Four *)(A + i * wide))[m] -= a * ((Four *)pivot)[m];
+      row = (Four *)(A + i * wide);
+      for (int m = 0; m < wide / 4; m++) row[m] -= column[i] * pivot[m];
     }
-    for (int j = 0; j < wide; j++) A[k * wide + j] = pivot[j];
+    for (int m = 0; m < wide / 4; m++) ((Four *)(A + k * wide))[m] = pivot[m];
+    for (int i = 0; i < fields; i++) A[i * wide + k] = 0 - column[i] * f;
+    A[k * wide + k] = f;
   }
   for (int k = fields - 1; k >= 0; k--)
     for (int i = 0; i < fields && from[k] != k; i++) {

@@ -59,6 +59,7 @@ PetscErrorCode BlocksCreate(int dims, PetscInt n, const Block block[], Blocks *b
 typedef struct {
   PetscInt stride;
   const PetscReal *x, *angle;
+  const PetscInt *of;
 } Line;
 
 /* The block of a branch of a line: its leaves follow each other as they are, and need no sorting.
@@ -66,7 +67,9 @@ typedef struct {
 static Block Along(Blocks self, const Line *line, Branch b) {
   Block all;
 
-  if (b.last - b.first == 1)
+  if (b.last - b.first == 1 && line->of && line->of[b.first] != line->of[b.last])
+    all = BlockEmpty(3);
+  else if (b.last - b.first == 1)
     for (int d = 0; d < 3; d++) {
       const PetscReal *x = d < self->dims ? line->x + d : line->angle;
       const PetscReal from = x ? x[b.first * line->stride] : 0;
@@ -91,10 +94,12 @@ static Block Along(Blocks self, const Line *line, Branch b) {
 
   x      dims coordinates of point i at x[i * stride]
   angle  in the plane, of point i at angle[i * stride]: the third side of each block; or NULL
+  of     several lines, one behind the other: that of each point, between two of which there is no
+         segment; NULL: it is one
 */
 PetscErrorCode BlocksOfLine(int dims, PetscInt segments, PetscInt stride, const PetscReal *x,
-                            const PetscReal *angle, Blocks *blocks) {
-  const Line line = {stride, x, angle};
+                            const PetscReal *angle, const PetscInt *of, Blocks *blocks) {
+  const Line line = {stride, x, angle, of};
   PetscInt size = 1;
 
   PetscFunctionBegin;

@@ -24,7 +24,7 @@ typedef void (*BlocksMeetPair)(PetscInt i, PetscInt j, void *ctx);
 
 PetscErrorCode BlocksCreate(int dims, PetscInt n, const Block block[], Blocks *blocks);
 PetscErrorCode BlocksOfLine(int dims, PetscInt segments, PetscInt stride, const PetscReal *x,
-                            const PetscReal *angle, Blocks *line);
+                            const PetscReal *angle, const PetscInt *of, Blocks *line);
 PetscErrorCode BlocksDestroy(Blocks *blocks);
 void BlocksNearBehind(Blocks blocks, PetscInt before, const Block *place, PetscReal reach,
                       BlocksMeet meet, void *ctx);

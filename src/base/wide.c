@@ -1,122 +1,20 @@
-/*
-  The elimination of line.c for halves of other sizes: cell i has seven equations that are rows of
-  node i + 1 and six that are rows of node i,
-      L y_i + R y_{i+1} = b_{i+1},     B y_i + U y_{i+1} = b_i.
-  What is before node i says T_i y_i = d_i, seven equations; with A_i = (T_i; B), T = (V, W), B =
-  (P, Q), Q six by six, which fine cells keep near -1, and X = L A^-1 = (E, F), T_{i+1} = R - F U,
-  d_{i+1} = b_{i+1} - X (d_i; b_i). A is factored by Q's inverse, then S = V - W Q^-1 P with partial
-  pivoting: F = K Q^-1 - E N,  E = (L - K Q^-1 P) S^-1,  N = W Q^-1,  L = (L, K). Sizes are known
-  when compiled, and the inner loops run along rows, for the compiler to make vectors of.
-*/
+/* A line of nodes of thirteen unknowns: halves.c eliminates it, the index is told here. */
 #include "base/wide.h"
 #include "base/clones.h"
+#include "base/halves.h"
+#include <petscblaslapack.h>
 #include <string.h>
 
 enum { TOP = WIDE_TOP, OWN = WIDE_OWN, ALL = WIDE_FIELDS };
 
-/* A node and the cell behind it. */
-typedef struct {
-  PetscReal T[TOP][ALL];              /* (V, W), until the node is eliminated */
-  PetscReal S[TOP][TOP], N[TOP][OWN]; /* the factors of S, of which row[k] is the pivot k */
-  PetscReal Q[OWN][OWN];              /* the inverse of Q */
-  PetscReal E[TOP][TOP], F[TOP][OWN]; /* X */
-  PetscReal cell[2][ALL][ALL];        /* its equations (L; B) and (R; U) by its nodes */
-  WideArms arms;                      /* for the index */
-  int row[TOP];
-} Link;
-
 struct _WideLine {
   PetscBool plane; /* directions out of the plane of x1 and x2 do not count */
-  PetscInt n;      /* cells so far */
-  Link *link;
-  PetscReal own[OWN][ALL];   /* the last node's own equations */
-  PetscReal last[ALL * ALL]; /* factors of the last node, whose own equations are any */
-  PetscBLASInt pivots[ALL];
-  PetscBool regular;
+  Halves line;
+  WideArms *arms;          /* of all nodes, for the index */
+  PetscReal own[OWN][ALL]; /* the last node's own equations */
 };
 
-/* A <- A^-1 by elimination with partial pivoting: behind column k its place is taken by that of the
-   inverse, and the columns of the inverse are as the rows were before they were exchanged. False if
-   there is none. */
-ALWAYS_INLINE PetscBool Invert(PetscReal A[OWN][OWN]) {
-  PetscBool regular = PETSC_TRUE;
-  int from[OWN];
-
-  for (int k = 0; k < OWN; k++) {
-    PetscReal pivot[OWN];
-    from[k] = k;
-    for (int i = k + 1; i < OWN; i++)
-      if (PetscAbsReal(A[i][k]) > PetscAbsReal(A[from[k]][k])) from[k] = i;
-    PetscReal f = 1 / A[from[k]][k];
-    if (!(PetscAbsReal(f) <= PETSC_MAX_REAL)) regular = PETSC_FALSE; /* (not so for NaN) */
-    memcpy(pivot, A[from[k]], sizeof(pivot));
-    memcpy(A[from[k]], A[k], sizeof(pivot));
-    pivot[k] = 1;
-    for (int j = 0; j < OWN; j++) pivot[j] *= f;
-    for (int i = 0; i < OWN; i++) {
-      const PetscReal a = A[i][k];
-      A[i][k] = 0;
-      for (int j = 0; j < OWN; j++) A[i][j] -= a * pivot[j];
-    }
-    memcpy(A[k], pivot, sizeof(pivot));
-  }
-  for (int k = OWN - 1; k >= 0; k--)
-    for (int i = 0; i < OWN && from[k] != k; i++) {
-      const PetscReal a = A[i][k];
-      A[i][k] = A[i][from[k]];
-      A[i][from[k]] = a;
-    }
-  return regular;
-}
-
-/* S = LU in place, rows in the order of the pivots, whose reciprocals are kept; false if it is
-   singular. */
-ALWAYS_INLINE PetscBool Factor(PetscReal S[TOP][TOP], int row[TOP]) {
-  for (int k = 0; k < TOP; k++) row[k] = k;
-  for (int k = 0; k < TOP; k++) {
-    int best = k;
-    for (int i = k + 1; i < TOP; i++)
-      if (PetscAbsReal(S[i][k]) > PetscAbsReal(S[best][k])) best = i;
-    if (best != k) {
-      int r = row[k];
-      row[k] = row[best];
-      row[best] = r;
-      for (int j = 0; j < TOP; j++) {
-        PetscReal a = S[k][j];
-        S[k][j] = S[best][j];
-        S[best][j] = a;
-      }
-    }
-    S[k][k] = 1 / S[k][k];
-    if (!(PetscAbsReal(S[k][k]) <= PETSC_MAX_REAL)) return PETSC_FALSE; /* (nor is NaN) */
-    for (int i = k + 1; i < TOP; i++) {
-      PetscReal f = S[i][k] *= S[k][k];
-      for (int j = k + 1; j < TOP; j++) S[i][j] -= f * S[k][j];
-    }
-  }
-  return PETSC_TRUE;
-}
-
-/* E = L S^-1, all its rows at once: columns are kept together. */
-ALWAYS_INLINE void DivideByFactors(PetscReal S[TOP][TOP], const int row[TOP], PetscReal L[TOP][TOP],
-                                   PetscReal E[TOP][TOP]) {
-  PetscReal z[TOP][TOP];
-
-  for (int j = 0; j < TOP; j++)
-    for (int r = 0; r < TOP; r++) z[j][r] = L[r][j];
-  for (int j = 0; j < TOP; j++) {
-    for (int i = 0; i < j; i++)
-      for (int r = 0; r < TOP; r++) z[j][r] -= z[i][r] * S[i][j];
-    for (int r = 0; r < TOP; r++) z[j][r] *= S[j][j];
-  }
-  for (int j = TOP - 1; j >= 0; j--)
-    for (int i = j + 1; i < TOP; i++)
-      for (int r = 0; r < TOP; r++) z[j][r] -= z[i][r] * S[i][j];
-  for (int j = 0; j < TOP; j++)
-    for (int r = 0; r < TOP; r++) E[r][row[j]] = z[j][r];
-}
-
-/* C = A Q, C -= A P, and so on, of the sizes that occur. */
+/* C += sign A B */
 ALWAYS_INLINE void Times(int rows, int inner, int columns, PetscReal sign,
                          const PetscReal *restrict A, int lda, const PetscReal *restrict B, int ldb,
                          PetscReal *restrict C, int ldc) {
@@ -129,171 +27,104 @@ ALWAYS_INLINE void Times(int rows, int inner, int columns, PetscReal sign,
 
 /* WideCreate - for so many nodes at most; the caller ends it with WideDestroy(). */
 PetscErrorCode WideCreate(PetscInt nodes, WideLine *line) {
+  static const PetscInt halves[2] = {TOP, OWN};
+
   PetscFunctionBegin;
   PetscCall(PetscNew(line));
-  PetscCall(PetscCalloc1(nodes, &(*line)->link));
+  PetscCall(HalvesCreate(nodes, halves, &(*line)->line));
+  PetscCall(PetscCalloc1(nodes, &(*line)->arms));
   PetscFunctionReturn(0);
 }
 
 PetscErrorCode WideDestroy(WideLine *line) {
   PetscFunctionBegin;
   if (!*line) PetscFunctionReturn(0);
-  PetscCall(PetscFree((*line)->link));
+  PetscCall(HalvesDestroy(&(*line)->line));
+  PetscCall(PetscFree((*line)->arms));
   PetscCall(PetscFree(*line));
   PetscFunctionReturn(0);
 }
 
 /* WideBegin - a new matrix: its cells follow; the first node's first seven unknowns are given. */
 void WideBegin(WideLine line) {
-  line->n = 0;
-  line->regular = PETSC_TRUE;
-  memset(line->link[0].T, 0, sizeof(line->link[0].T));
-  for (int i = 0; i < TOP; i++) line->link[0].T[i][i] = 1;
+  HalvesBegin(line->line);
 }
 
 /* WideSpring - behind WideBegin(): the first node's first seven unknowns are not given, but these
    products of its own six. */
 void WideSpring(WideLine line, const PetscReal gives[TOP][OWN]) {
+  PetscReal *T = HalvesFirst(line->line);
+
   for (int i = 0; i < TOP; i++)
-    for (int j = 0; j < OWN; j++) line->link[0].T[i][TOP + j] = -gives[i][j];
+    for (int j = 0; j < OWN; j++) T[i * ALL + TOP + j] = -gives[i][j];
 }
 
 /* WideKeep - keeps the next cell as it is, to be eliminated elsewhere. */
 void WideKeep(WideLine line) {
-  line->n++;
-}
-
-/* Factors the node before a cell, whose equations by it are known. */
-ALWAYS_INLINE void FactorNode(WideLine line, Link *link) {
-  const PetscReal(*own)[ALL] = (const PetscReal(*)[ALL])link->cell[0] + TOP;
-
-  for (int i = 0; i < OWN; i++) memcpy(link->Q[i], own[i] + TOP, OWN * sizeof(PetscReal));
-  if (!Invert(link->Q)) line->regular = PETSC_FALSE;
-  memset(link->N, 0, sizeof(link->N));
-  Times(TOP, OWN, OWN, 1, link->T[0] + TOP, ALL, link->Q[0], OWN, link->N[0], OWN);
-  for (int i = 0; i < TOP; i++) memcpy(link->S[i], link->T[i], TOP * sizeof(PetscReal));
-  Times(TOP, OWN, TOP, -1, link->N[0], OWN, own[0], ALL, link->S[0], TOP);
-  if (!Factor(link->S, link->row)) line->regular = PETSC_FALSE;
+  HalvesKeep(line->line);
 }
 
 /* WideArm - the arms of the node that the next cell begins at, or of the last; for WideIndex(). */
 void WideArm(WideLine line, const WideArms *arms) {
-  line->link[line->n].arms = *arms;
+  line->arms[HalvesCells(line->line)] = *arms;
 }
 
 /* WideBlocks - where the equations of the next cell by its nodes a and b are to be put; first the
    seven that are rows of b, then the six that are rows of a. */
 void WideBlocks(WideLine line, PetscReal (**a)[ALL], PetscReal (**b)[ALL]) {
-  *a = line->link[line->n].cell[0];
-  *b = line->link[line->n].cell[1];
+  HalvesBlocks(line->line, (PetscReal **)a, (PetscReal **)b);
 }
 
 /* WideCell - eliminates the node before the next cell, whose equations WideBlocks() has been given.
  */
-WIDE_VECTORS void WideCell(WideLine line) {
-  Link *link = &line->link[line->n++];
-  const PetscReal(*a)[ALL] = (const PetscReal(*)[ALL])link->cell[0],
-        (*b)[ALL] = (const PetscReal(*)[ALL])link->cell[1];
-  PetscReal L[TOP][TOP];
-
-  FactorNode(line, link);
-  memset(link->F, 0, sizeof(link->F));
-  Times(TOP, OWN, OWN, 1, a[0] + TOP, ALL, link->Q[0], OWN, link->F[0], OWN);
-  for (int i = 0; i < TOP; i++) memcpy(L[i], a[i], TOP * sizeof(PetscReal));
-  Times(TOP, OWN, TOP, -1, link->F[0], OWN, a[TOP], ALL, L[0], TOP);
-  DivideByFactors(link->S, link->row, L, link->E);
-  Times(TOP, TOP, OWN, -1, link->E[0], TOP, link->N[0], OWN, link->F[0], OWN);
-  memcpy(link[1].T, b, sizeof(link->T));
-  Times(TOP, OWN, ALL, -1, link->F[0], OWN, b[TOP], ALL, link[1].T[0], ALL);
+void WideCell(WideLine line) {
+  HalvesCell(line->line);
 }
 
 /* WideParts - of a line whose cells were kept: how many reals its cells and their arms are, and, in
    parts, what they are. */
-enum { CELL_REALS = 2 * ALL * ALL, ARM_REALS = sizeof(WideArms) / sizeof(PetscReal) };
+enum {
+  BLOCK = ALL * ALL,
+  CELL_REALS = 2 * BLOCK,
+  ARM_REALS = sizeof(WideArms) / sizeof(PetscReal)
+};
 
 PetscInt WideParts(WideLine line, PetscReal parts[]) {
-  for (PetscInt i = 0; i < line->n && parts; i++, parts += CELL_REALS + ARM_REALS) {
-    memcpy(parts, line->link[i].cell, CELL_REALS * sizeof(PetscReal));
-    memcpy(parts + CELL_REALS, &line->link[i].arms, sizeof(WideArms));
+  const PetscInt n = HalvesCells(line->line);
+
+  for (PetscInt i = 0; i < n && parts; i++, parts += CELL_REALS + ARM_REALS) {
+    const HalvesLink link = HalvesAt(line->line, i);
+    for (int e = 0; e < 2; e++) memcpy(parts + e * BLOCK, link.cell[e], BLOCK * sizeof(PetscReal));
+    memcpy(parts + CELL_REALS, &line->arms[i], sizeof(WideArms));
   }
-  return line->n * (CELL_REALS + ARM_REALS);
+  return n * (CELL_REALS + ARM_REALS);
 }
 
 /* WideTake - eliminates cells that are there in parts, so many reals. */
 void WideTake(WideLine line, const PetscReal parts[], PetscInt reals) {
   for (PetscInt k = 0; k < reals; k += CELL_REALS + ARM_REALS) {
-    Link *link = &line->link[line->n];
-    memcpy(link->cell, parts + k, CELL_REALS * sizeof(PetscReal));
-    memcpy(&link->arms, parts + k + CELL_REALS, sizeof(WideArms));
+    PetscReal *cell[2];
+    HalvesBlocks(line->line, &cell[0], &cell[1]);
+    for (int e = 0; e < 2; e++) memcpy(cell[e], parts + k + e * BLOCK, BLOCK * sizeof(PetscReal));
+    WideArm(line, (const WideArms *)(parts + k + CELL_REALS));
     WideCell(line);
   }
 }
 
 /* WideEnd - the last node's own six equations, whatever they are. */
 void WideEnd(WideLine line, const PetscReal own[OWN][ALL]) {
-  const Link *last = &line->link[line->n];
-  PetscBLASInt n = ALL, info;
-
   memcpy(line->own, own, sizeof(line->own));
-  for (int k = 0; k < ALL; k++) {
-    for (int i = 0; i < TOP; i++) line->last[k * ALL + i] = last->T[i][k];
-    for (int i = 0; i < OWN; i++) line->last[k * ALL + TOP + i] = own[i][k];
-  }
-  LAPACKgetrf_(&n, &n, line->last, &n, line->pivots, &info);
-  if (info || PetscIsInfOrNanReal(line->last[0])) line->regular = PETSC_FALSE;
+  HalvesEnd(line->line, own[0]);
 }
 
 /* WideRegular - could it be factored? */
 PetscBool WideRegular(WideLine line) {
-  return line->regular;
-}
-
-/* y = A^-1 v of a node, in place */
-ALWAYS_INLINE void SolveNode(const Link *link, PetscReal y[ALL]) {
-  PetscReal d[TOP], b[OWN], *own = y + TOP;
-
-  for (int i = 0; i < TOP; i++) {
-    d[i] = y[i];
-    for (int k = 0; k < OWN; k++) d[i] -= link->N[i][k] * own[k];
-  }
-  for (int i = 0; i < TOP; i++) {
-    y[i] = d[link->row[i]];
-    for (int k = 0; k < i; k++) y[i] -= link->S[i][k] * y[k];
-  }
-  for (int i = TOP - 1; i >= 0; i--) {
-    for (int k = i + 1; k < TOP; k++) y[i] -= link->S[i][k] * y[k];
-    y[i] *= link->S[i][i];
-  }
-  for (int i = 0; i < OWN; i++) {
-    b[i] = own[i];
-    for (int k = 0; k < TOP; k++) b[i] -= link->cell[0][TOP + i][k] * y[k];
-  }
-  for (int i = 0; i < OWN; i++) {
-    own[i] = 0;
-    for (int k = 0; k < OWN; k++) own[i] += link->Q[i][k] * b[k];
-  }
+  return HalvesRegular(line->line);
 }
 
 /* WideSolve - the unknowns x of the line by b, both of all its nodes. */
-WIDE_VECTORS void WideSolve(WideLine line, const PetscReal (*b)[ALL], PetscReal (*x)[ALL]) {
-  PetscBLASInt fields = ALL, one = 1, info;
-  const PetscInt n = line->n;
-
-  memcpy(x, b, (size_t)(n + 1) * sizeof(*x));
-  for (PetscInt i = 0; i < n; i++) {
-    const Link *link = &line->link[i];
-    for (int f = 0; f < TOP; f++) {
-      for (int k = 0; k < TOP; k++) x[i + 1][f] -= link->E[f][k] * x[i][k];
-      for (int k = 0; k < OWN; k++) x[i + 1][f] -= link->F[f][k] * x[i][TOP + k];
-    }
-  }
-  LAPACKgetrs_("N", &fields, &one, line->last, &fields, line->pivots, x[n], &fields, &info);
-  for (PetscInt i = n - 1; i >= 0; i--) {
-    const Link *link = &line->link[i];
-    for (int f = 0; f < OWN; f++)
-      for (int k = 0; k < ALL; k++) x[i][TOP + f] -= link->cell[1][TOP + f][k] * x[i + 1][k];
-    SolveNode(link, x[i]);
-  }
+void WideSolve(WideLine line, const PetscReal (*b)[ALL], PetscReal (*x)[ALL]) {
+  HalvesSolve(line->line, b[0], x[0]);
 }
 
 /*
@@ -379,21 +210,23 @@ static inline PetscBool Solve(int n, int m, PetscReal A[], PetscReal B[]) {
 
 /* C of what is before a node: - way V^-1 W of m and n, and C (1 + [m/2] C)^-1 of mu; false if there
    is none. */
-static PetscBool Compliance(const Link *link, Six C) {
+static PetscBool Compliance(WideLine line, PetscInt node, Six C) {
+  const PetscReal(*T)[ALL] = (const PetscReal(*)[ALL])HalvesAt(line->line, node).T;
+  const WideArms *arms = &line->arms[node];
   PetscReal V[TOP * TOP], X[TOP * OWN], Z[OWN * OWN], Y[OWN * OWN];
   PetscBool regular;
   Six skew;
 
   for (int i = 0; i < TOP; i++) {
-    for (int j = 0; j < TOP; j++) V[i * TOP + j] = link->T[i][j];
-    for (int j = 0; j < OWN; j++) X[i * OWN + j] = -link->T[i][TOP + j];
+    for (int j = 0; j < TOP; j++) V[i * TOP + j] = T[i][j];
+    for (int j = 0; j < OWN; j++) X[i * OWN + j] = -T[i][TOP + j];
   }
   if (!Solve(TOP, OWN, V, X)) return PETSC_FALSE;
-  Skew(&link->arms, skew);
+  Skew(arms, skew);
   for (int i = 0; i < OWN; i++)
     for (int j = 0; j < OWN; j++) {
       C[i][j] = 0;
-      for (int k = 0; k < TOP; k++) C[i][j] += link->arms.way[i][k] * X[k * OWN + j];
+      for (int k = 0; k < TOP; k++) C[i][j] += arms->way[i][k] * X[k * OWN + j];
     }
   for (int i = 0; i < OWN; i++) /* the transposed system */
     for (int j = 0; j < OWN; j++) {
@@ -409,15 +242,17 @@ static PetscBool Compliance(const Link *link, Six C) {
 }
 
 /* K of the cell behind a node: - mu_a by w_a at mu_b = 0; false if there is none. */
-static PetscBool Stiffness(const Link *link, Six K) {
-  const PetscReal(*a)[ALL] = (const PetscReal(*)[ALL])link->cell[0],
-        (*b)[ALL] = (const PetscReal(*)[ALL])link->cell[1];
+static PetscBool Stiffness(WideLine line, PetscInt node, Six K) {
+  const HalvesLink link = HalvesAt(line->line, node);
+  const PetscReal(*a)[ALL] = (const PetscReal(*)[ALL])link.cell[0],
+        (*b)[ALL] = (const PetscReal(*)[ALL])link.cell[1];
+  const WideArms *arms = &line->arms[node];
   PetscReal A[ALL * ALL], X[TOP * ALL], turned[OWN][TOP], force[OWN][TOP];
   Six skew;
 
-  Skew(&link[1].arms, skew); /* m_b = - [m/2] turn_b */
+  Skew(arms + 1, skew); /* m_b = - [m/2] turn_b */
   memset(turned, 0, sizeof(turned));
-  Times(OWN, OWN, TOP, -1, skew[0], OWN, link[1].arms.way[0], TOP, turned[0], TOP);
+  Times(OWN, OWN, TOP, -1, skew[0], OWN, arms[1].way[0], TOP, turned[0], TOP);
   for (int i = 0; i < ALL; i++) {
     for (int j = 0; j < TOP; j++) {
       A[i * ALL + j] = b[i][j];
@@ -429,8 +264,8 @@ static PetscBool Stiffness(const Link *link, Six K) {
   if (!Solve(ALL, TOP, A, X)) return PETSC_FALSE;
   for (int i = 0; i < OWN; i++)
     for (int j = 0; j < TOP; j++) force[i][j] = -X[(TOP + i) * TOP + j];
-  AlongWays((const PetscReal(*)[TOP])force, &link->arms, K);
-  Skew(&link->arms, skew);
+  AlongWays((const PetscReal(*)[TOP])force, arms, K);
+  Skew(arms, skew);
   for (int i = 0; i < OWN; i++)
     for (int j = 0; j < OWN; j++) K[i][j] -= skew[i][j];
   Symmetric(K);
@@ -503,12 +338,13 @@ void WidePlane(WideLine line, PetscBool plane) {
 /* What the last node adds by its own equations (P, Q): those of x alone hold it, else they say how
    stiff is what it bears. */
 static PetscInt AddedAtEnd(WideLine line) {
-  const Link *last = &line->link[line->n];
-  PetscReal P[OWN][TOP], Q[OWN][OWN], force[OWN][TOP] = {{0}};
+  const PetscInt last = HalvesCells(line->line);
+  const WideArms *arms = &line->arms[last];
+  PetscReal P[OWN][TOP], Q[OWN][OWN];
   Six C, K = {{0}}, skew, R = {{0}};
   int held = 0;
 
-  if (!Compliance(last, C)) return 0;
+  if (!Compliance(line, last, C)) return 0;
   for (int i = 0; i < OWN; i++) {
     PetscBool free = PETSC_FALSE;
     memcpy(P[i], line->own[i], TOP * sizeof(PetscReal));
@@ -517,13 +353,12 @@ static PetscInt AddedAtEnd(WideLine line) {
       if (Q[i][j] != 0) free = PETSC_TRUE;
     if (free) continue;
     for (int k = 0; k < OWN; k++)
-      for (int j = 0; j < TOP; j++) R[held][k] += P[i][j] * last->arms.way[k][j];
+      for (int j = 0; j < TOP; j++) R[held][k] += P[i][j] * arms->way[k][j];
     held++;
   }
-  if (!held && Invert(Q)) {
-    Times(OWN, OWN, TOP, 1, Q[0], OWN, P[0], TOP, force[0], TOP);
-    AlongWays((const PetscReal(*)[TOP])force, &last->arms, K);
-    Skew(&last->arms, skew);
+  if (!held && Solve(OWN, TOP, Q[0], P[0])) {
+    AlongWays((const PetscReal(*)[TOP])P, arms, K);
+    Skew(arms, skew);
     for (int i = 0; i < OWN; i++)
       for (int j = 0; j < OWN; j++) K[i][j] -= skew[i][j];
   }
@@ -536,15 +371,16 @@ static PetscInt AddedAtEnd(WideLine line) {
 static PetscBool Turns(WideLine line) {
   const PetscReal much = 0.3;
 
-  for (PetscInt i = 0; i < line->n; i++) {
-    const Link *link = &line->link[i];
+  for (PetscInt i = 0; i < HalvesCells(line->line); i++) {
+    const HalvesLink link = HalvesAt(line->line, i);
+    const PetscReal twist = line->arms[i].twist;
     PetscReal most = 0;
     for (int k = 0; k < TOP; k++)
-      if (link->row[k] != k || !(link->S[k][k] > 0)) return PETSC_TRUE;
-    if (link->arms.twist == 0) continue;
+      if (link.row[k] != k || !(link.S[k * TOP + k] > 0)) return PETSC_TRUE;
+    if (twist == 0) continue;
     for (int k = 0; k < TOP; k++)
-      for (int j = 0; j < 3; j++) most = PetscMax(most, PetscAbsReal(link->T[k][TOP + j]));
-    if (PetscAbsReal(link->arms.twist) * most > much) return PETSC_TRUE;
+      for (int j = 0; j < 3; j++) most = PetscMax(most, PetscAbsReal(link.T[k * ALL + TOP + j]));
+    if (PetscAbsReal(twist) * most > much) return PETSC_TRUE;
   }
   return PETSC_FALSE;
 }
@@ -569,9 +405,8 @@ PetscInt WideIndex(WideLine line) {
   Six C, K;
 
   if (!Turns(line)) return index;
-  for (PetscInt i = 0; i < line->n; i++) {
-    if (!Compliance(&line->link[i], C) || !Stiffness(&line->link[i], K) || !Resolved(C, K))
-      return -1;
+  for (PetscInt i = 0; i < HalvesCells(line->line); i++) {
+    if (!Compliance(line, i, C) || !Stiffness(line, i, K) || !Resolved(C, K)) return -1;
     if (line->plane) LeaveOutOfPlane(C, K);
     index += Added(C, K, 0, NULL);
   }

@@ -1,5 +1,5 @@
-/* Block elimination along a line of nodes of thirteen unknowns, on one rank: as line.h, with seven
-   equations of a cell that are rows of the node behind it and six of the node before it. */
+/* Block elimination along a line of nodes of thirteen unknowns, on one rank (halves.h): seven
+   equations of a cell are rows of the node behind it and six of the node before it. */
 #ifndef TENDRIL_WIDE_H
 #define TENDRIL_WIDE_H
 

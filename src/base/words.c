@@ -118,6 +118,15 @@ static void AddToSection(OptionWords *words, const Source *self, const char *nam
                              .line = self->line};
 }
 
+/* The names of a pair, one blank between two: what, also, and the rest of a line that is taken
+   apart. */
+static void PairNames(const char *what, const char *also, char **rest, char *names, size_t room) {
+  size_t n = (size_t)snprintf(names, room, "%s", what);
+
+  for (; also && n < room; also = strtok_r(NULL, blanks, rest))
+    n += (size_t)snprintf(names + n, room - n, " %s", also);
+}
+
 /* [rod NAME], [rods FILE.csv] or [pair NAME NAME]: the lines that follow are of that. */
 static PetscBool AddSection(OptionWords *words, Source *self, char *line) {
   char *end = strchr(line, ']'), *rest, *kind, *what, *also, head[2 * PETSC_MAX_PATH_LEN + 16],
@@ -132,8 +141,11 @@ static PetscBool AddSection(OptionWords *words, Source *self, char *line) {
   also = what ? strtok_r(NULL, blanks, &rest) : NULL;
   rods = (PetscBool)(kind && !strcmp(kind, "rods"));
   good = (PetscBool)(what && !also && (rods || !strcmp(kind, "rod")));
-  if (kind && !strcmp(kind, "pair"))
-    good = (PetscBool)(what && (also || strchr(what, ',')) && !strtok_r(NULL, blanks, &rest));
+  if (kind && !strcmp(kind, "pair")) {
+    good = (PetscBool)(what && (also || strchr(what, ',')));
+    if (good) PairNames(what, also, &rest, path, sizeof(path));
+    what = path;
+  }
   if (!good)
     return Fault(self, "[%.*s]: a section is [rod NAME], [rods FILE.csv] or [pair NAME NAME]",
                  SHOWN, kind ? kind : "");
@@ -142,7 +154,7 @@ static PetscBool AddSection(OptionWords *words, Source *self, char *line) {
     KeepFile(words, path);
     what = path;
   }
-  (void)snprintf(head, sizeof(head), "%s %s%s%s", kind, what, also ? " " : "", also ? also : "");
+  (void)snprintf(head, sizeof(head), "%s %s", kind, what);
   self->section = words->sections++;
   words->section = (OptionSection *)Need(
       realloc(words->section, (size_t)words->sections * sizeof(*words->section)));

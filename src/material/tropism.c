@@ -174,16 +174,11 @@ PetscErrorCode TropismChange(Tropism *self, const char *name, const PetscReal la
   PetscFunctionReturn(0);
 }
 
-void TropismPull(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
+void TropismLamp(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
                  PetscReal (*by_x)[3]) {
   PetscReal to[3], far, size;
 
-  for (int i = 0; i < 3; i++) {
-    pull[i] = self->gravity * self->direction[i];
-    for (int j = 0; j < 3 && by_x; j++) by_x[i][j] = 0;
-    to[i] = self->source[i] - x[i];
-  }
-  if (self->light == 0) return;
+  for (int i = 0; i < 3; i++) to[i] = self->source[i] - x[i];
   far = PetscSqrtReal(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
   size = self->light / far;
   for (int i = 0; i < 3; i++) {

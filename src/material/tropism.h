@@ -59,10 +59,20 @@ static inline PetscReal TropismNutation(const Tropism *tropism, int bend, PetscR
               : tropism->nutation[0] * PetscCosReal(angle);
 }
 
+/* Adds to a pull, and to its derivatives by x (may be NULL), those of the lamp. */
+void TropismLamp(const Tropism *tropism, const PetscReal x[3], PetscReal pull[3],
+                 PetscReal (*by_x)[3]);
+
 /* The direction, times its strength, towards which a place turns, and its derivatives by x (may be
    NULL). */
-void TropismPull(const Tropism *tropism, const PetscReal x[3], PetscReal pull[3],
-                 PetscReal (*by_x)[3]);
+static inline void TropismPull(const Tropism *tropism, const PetscReal x[3], PetscReal pull[3],
+                               PetscReal (*by_x)[3]) {
+  for (int i = 0; i < 3; i++) {
+    pull[i] = tropism->gravity * tropism->direction[i];
+    for (int j = 0; j < 3 && by_x; j++) by_x[i][j] = 0;
+  }
+  if (tropism->light != 0) TropismLamp(tropism, x, pull, by_x);
+}
 
 /* What is sensed along d3, pull.d2, and along d2, -pull.d3. */
 static inline PetscReal TropismSensed(const TropismPlace *at, int bend, const PetscReal pull[3]) {

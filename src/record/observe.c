@@ -74,6 +74,12 @@ PetscErrorCode ObserverCreate(Scene scene, Observer *observer) {
   PetscFunctionReturn(0);
 }
 
+/* ObserverAmong - what it measures is one of several rods: who knows all of them tells what strands
+   do to it. */
+void ObserverAmong(Observer self, TouchingTell tell, void *ctx, PetscInt rod) {
+  if (self->touching) TouchingAmong(self->touching, tell, ctx, rod);
+}
+
 PetscErrorCode ObserverDestroy(Observer *observer) {
   PetscFunctionBegin;
   if (!*observer) PetscFunctionReturn(0);
@@ -156,7 +162,7 @@ static void AddContact(Observer self, Observation *seen) {
   seen->contacts = contact->zones;
   SceneToLab(self->scene, contact->wall, lab);
   Split3(lab, &seen->wall_force_1, &seen->wall_force_2, &seen->wall_force_3);
-  seen->wall_power = contact->moved;
+  seen->wall_power = contact->moved + contact->given;
   SceneToLab(self->scene, contact->clamp, lab);
   seen->base_force_1 -= lab[0];
   seen->base_force_2 -= lab[1];
@@ -172,7 +178,7 @@ static PetscReal AxialDrop(const Observer self, const Piece *piece) {
   if (piece->end < piece->first) return 0;
   for (int end = 0; end < 2; end++) {
     const Node *node = &piece->node[end ? piece->end - piece->first : 0];
-    const PetscReal n1 = self->space ? node->n3[0] : node->force[0];
+    const PetscReal n1 = node->force[0];
     if (!end && !piece->first) drop += n1;
     if (end && piece->end == self->nodes - 1) drop -= n1;
   }

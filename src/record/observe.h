@@ -68,7 +68,7 @@
   X(wall_force_3, "N l", "force of the walls on the rod along x3")                                 \
   X(friction_force_3, "N l", "force of the friction along the rod on it along x3")                 \
   X(weight_force_3, "N l", "weight of the rod along x3")                                           \
-  X(wall_power, "N l V", "power of walls that move")                                               \
+  X(wall_power, "N l V", "power of walls that move, and of other rods")                            \
   X(tip_spin, "V/l", "rate at which the material at the tip turns about its tangent")              \
   X(clamp_power, "N l V", "power of the turning clamp")
 
@@ -126,6 +126,7 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
                             Observation *seen);
 PetscErrorCode ObserverCreate(Scene scene, Observer *observer);
 PetscErrorCode ObserverDestroy(Observer *observer);
+void ObserverAmong(Observer observer, TouchingTell tell, void *ctx, PetscInt rod);
 PetscErrorCode ObserverGather(Observer observer, Rod rod, PetscReal t, Vec U, Vec U_t,
                               const Node **nodes);
 PetscErrorCode ObserverContact(Observer observer, PetscReal t, const Node *nodes,

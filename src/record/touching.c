@@ -5,10 +5,13 @@
 
 struct _Touching {
   Scene scene;
-  const PetscReal *s;       /* labels of the nodes, */
-  PetscInt cells;           /* one more than these */
-  PetscBool space;          /* the rod is in space */
-  Strands strands;          /* NULL: it does not touch itself */
+  const PetscReal *s; /* labels of the nodes, */
+  PetscInt cells;     /* one more than these */
+  PetscBool space;    /* the rod is in space */
+  Strands strands;    /* NULL: it does not touch itself, */
+  TouchingTell tell;  /* or who knows of several rods tells; NULL: nobody */
+  void *ctx;
+  PetscInt rod;             /* ... which it is */
   PetscReal (*force)[PUSH]; /* per length, at nodes and middles of cells */
   SampleLaw *law;           /* of a rod in space, at the time of the latest look, likewise */
   PetscInt likely;          /* the node that was nearest to a wall */
@@ -29,8 +32,16 @@ PetscErrorCode TouchingCreate(Scene scene, Touching *touching) {
   (*touching)->space = scene->space.rod;
   PetscCall(PetscMalloc1(2 * nodes - 1, &(*touching)->force));
   if ((*touching)->space) PetscCall(PetscMalloc1(2 * nodes - 1, &(*touching)->law));
-  if (scene->contact.self) PetscCall(StrandsCreate(scene, &(*touching)->strands));
+  if (scene->contact.self && !scene->contact.among)
+    PetscCall(StrandsCreate(scene, &(*touching)->strands));
   PetscFunctionReturn(0);
+}
+
+/* TouchingAmong - it is one of several rods: who knows all of them tells of strands. */
+void TouchingAmong(Touching self, TouchingTell tell, void *ctx, PetscInt rod) {
+  self->tell = tell;
+  self->ctx = ctx;
+  self->rod = rod;
 }
 
 PetscErrorCode TouchingDestroy(Touching *touching) {
@@ -89,6 +100,7 @@ static void MidOf(const Node *a, PetscReal h, const PetscReal g[], const PetscRe
 static PetscErrorCode SpotOf(const Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                              PetscInt i, int half, Spot *spot) {
   const Scene scene = self->scene;
+  const Growth growth = scene->growth;
   const PetscReal *s = self->s, h = half ? s[i + 1] - s[i] : 0;
   PetscReal g[2], g_t[2], theta = nodes[i].theta, weight = 4 * h / 6, strain, c;
   Vector2 x = From2(nodes[i].x), x_t = From2(nodes[i].x_t);
@@ -96,14 +108,14 @@ static PetscErrorCode SpotOf(const Touching self, PetscReal t, const Node *nodes
   PetscFunctionBegin;
   *spot = (Spot){.s = half ? (s[i] + s[i + 1]) / 2 : s[i]};
   if (half) {
-    PetscCall(GrowthStretch(scene->growth, 2, &s[i], t, g, g_t, NULL));
+    PetscCall(GrowthStretch(growth, 2, &s[i], t, g, g_t, NULL));
     PetscCall(Bow(self, t, nodes, i, g, &theta));
     theta += (nodes[i].theta + nodes[i + 1].theta) / 2;
     MidOf(&nodes[i], h, g, g_t, &x, &x_t);
   }
-  PetscCall(GrowthStretch(scene->growth, 1, &spot->s, t, g, g_t, NULL));
-  c = moves ? GrowthSlide(scene->growth, spot->s, t) : 0;
-  strain = GrowthStrain(scene->growth, spot->s, t, g_t[0]);
+  PetscCall(GrowthStretch(growth, 1, &spot->s, t, g, g_t, NULL));
+  c = moves ? GrowthSlide(growth, spot->s, t) : 0;
+  strain = GrowthStrain(growth, spot->s, t, g_t[0]);
   Put2(x, spot->x);
   Put2(Along2(x_t, c, (Vector2){PetscCosReal(theta), PetscSinReal(theta)}), spot->v);
   if (!half && i > 0) weight += (s[i] - s[i - 1]) / 6;
@@ -216,8 +228,8 @@ PetscErrorCode TouchingCell(Touching self, PetscInt i, const FootCell *cell, Tou
 /* Cell i, for its feet. */
 static PetscErrorCode FeetsCell(const Touching self, PetscReal t, const Node *nodes,
                                 PetscBool moves, PetscInt i, FootCell *cell) {
-  const Scene scene = self->scene;
   const PetscReal *at = self->s + i;
+  const Growth growth = self->scene->growth;
   CurveCell *curve = &cell->curve;
   PetscReal g_t[2];
 
@@ -226,9 +238,9 @@ static PetscErrorCode FeetsCell(const Touching self, PetscReal t, const Node *no
   curve->h = at[1] - at[0];
   cell->first = (PetscBool)(i == 0);
   cell->last = (PetscBool)(i == self->cells - 1);
-  PetscCall(GrowthStretch(scene->growth, 2, at, t, curve->g, g_t, NULL));
+  PetscCall(GrowthStretch(growth, 2, at, t, curve->g, g_t, NULL));
   for (int k = 0; k < FOOT_PARTS; k++)
-    curve->c[k] = GrowthSlide(scene->growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
+    curve->c[k] = GrowthSlide(growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
   for (int e = 0; e < 2; e++) {
     const Node *node = &nodes[i + e];
     const Vector2 q = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
@@ -292,46 +304,60 @@ static PetscReal AboutTangent(const Node *nodes, PetscInt point, const PetscReal
   return Dot3(q, v) / PetscSqrtReal(Dot3(q, q));
 }
 
-/* All of the rod's own strands. */
+/* What the rod's own strands do. */
+static PetscErrorCode OwnStrands(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
+                                 StrandsOn *on) {
+  const StrandState state = {.t = t,
+                             .stride = NODE_VALUES,
+                             .between = self->space ? 0 : NODE_BETWEEN,
+                             .u = nodes[0].x,
+                             .u_t = moves ? nodes[0].x_t : NULL};
+
+  PetscFunctionBegin;
+  PetscCall(StrandsSearch(self->strands, &state));
+  PetscCall(StrandsLoad(self->strands, &state));
+  StrandsSum(self->strands, 0, &on->sum);
+  on->force = StrandsForces(self->strands);
+  on->couple = StrandsCouples(self->strands);
+  PetscFunctionReturn(0);
+}
+
+/* All strands that the rod touches. */
 static PetscErrorCode LookAtStrands(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                                     TouchSum *sum) {
   const PetscReal *s = self->s;
   const PetscInt points = 2 * self->cells + 1;
   const PetscReal(*force)[3], (*couple)[3];
-  const PetscBool space = self->space;
-  const PetscReal *u_t = space ? nodes[0].x3_t : nodes[0].x_t;
-  const StrandState state = {.t = t,
-                             .stride = NODE_VALUES,
-                             .u = space ? nodes[0].x3 : nodes[0].x,
-                             .u_t = moves ? u_t : NULL};
-  StrandSum strands;
+  StrandsOn on;
 
   PetscFunctionBegin;
-  PetscCall(StrandsSearch(self->strands, &state));
-  PetscCall(StrandsLoad(self->strands, &state));
-  StrandsSum(self->strands, &strands);
-  force = StrandsForces(self->strands);
-  couple = StrandsCouples(self->strands);
+  if (self->tell)
+    PetscCall(self->tell(self->ctx, self->rod, t, moves, &on));
+  else
+    PetscCall(OwnStrands(self, t, nodes, moves, &on));
+  force = on.force;
+  couple = on.couple;
   for (PetscInt k = 0; k < points; k++) {
     PetscReal g, z = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
     PetscCall(SceneStretch(self->scene, z, t, &g));
     for (int d = 0; d < 3; d++) self->force[k][d] -= force[k][d] / g;
     if (couple) self->force[k][3] -= AboutTangent(nodes, k, couple[k]) / g;
   }
-  sum->energy += strands.energy;
-  sum->loss += strands.loss;
-  sum->strain += strands.strain;
-  sum->normal += strands.normal;
-  sum->zones += strands.zones;
+  sum->energy += on.sum.energy;
+  sum->loss += on.sum.loss;
+  sum->strain += on.sum.strain;
+  sum->normal += on.sum.normal;
+  sum->zones += on.sum.zones;
+  sum->given += on.sum.moved;
   for (int d = 0; d < 3; d++) {
     sum->tip[d] += force[points][d];
-    sum->clamp[d] += strands.clamp[d];
+    sum->clamp[d] += on.sum.clamp[d];
   }
   if (couple) sum->tip[SPIN] += AboutTangent(nodes, points - 1, couple[points]);
-  if (strands.nearest < sum->nearest) {
-    sum->nearest = strands.nearest;
-    for (int k = 0; k < 2; k++) sum->at[k] = strands.at[k];
-    for (int d = 0; d < 3; d++) sum->x[d] = strands.x[d];
+  if (on.sum.nearest < sum->nearest) {
+    sum->nearest = on.sum.nearest;
+    for (int k = 0; k < 2; k++) sum->at[k] = on.sum.at[k];
+    for (int d = 0; d < 3; d++) sum->x[d] = on.sum.x[d];
   }
   PetscFunctionReturn(0);
 }
@@ -352,7 +378,7 @@ PetscErrorCode TouchingLook(Touching self, PetscReal t, const Node *nodes, Petsc
   self->feet = 0;
   PetscCall(PetscArrayzero(self->force, 2 * self->cells + 1));
   sum->nearest = asks == TOUCHING_ALL ? PETSC_MAX_REAL : -PETSC_MAX_REAL;
-  if (self->strands) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
+  if (self->strands || self->tell) PetscCall(LookAtStrands(self, t, nodes, moves, sum));
   if (self->space) {
     PetscCall(SampleLaws(self->scene, t, 0, self->cells, self->law));
     PetscCall(TouchingWalls3(self, self->scene, t, nodes, moves, self->likely, self->law,

@@ -11,7 +11,8 @@
 typedef struct {
   PetscReal energy, loss, strain; /* int U, power lost to friction, power of growth where pressed
                                      and of a law that changes in time */
-  PetscReal moved;                /* power of walls that move */
+  PetscReal moved;                /* power of walls that move, */
+  PetscReal given;                /* and of other rods */
   PetscReal normal, wall[3];      /* sum of normal forces; force of the walls on the rod */
   PetscInt zones;
   PetscReal tip[PUSH]; /* force of contact on the tip */
@@ -46,8 +47,20 @@ typedef struct {
 
 typedef struct _Touching *Touching;
 
+/* What strands do to a rod: in all, and at its points (rod/strands.h). */
+typedef struct {
+  StrandSum sum;
+  const PetscReal (*force)[3], (*couple)[3]; /* borrowed */
+} StrandsOn;
+
+/* Who knows all of several rods tells of one what strands do to it at a time; moves: rates are
+   known. */
+typedef PetscErrorCode (*TouchingTell)(void *ctx, PetscInt rod, PetscReal t, PetscBool moves,
+                                       StrandsOn *on);
+
 PetscErrorCode TouchingCreate(Scene scene, Touching *touching);
 PetscErrorCode TouchingDestroy(Touching *touching);
+void TouchingAmong(Touching touching, TouchingTell tell, void *ctx, PetscInt rod);
 /* What is asked of a look: all; or powers alone, of a state beside the one that was looked at last:
    not what is nearest, how deep, and where. */
 typedef enum { TOUCHING_ALL, TOUCHING_POWERS } TouchingAsks;

@@ -143,8 +143,8 @@ static PetscBool MeetsWalls(const struct _Scene *scene) {
   return (PetscBool)(scene->contact.walls.n || scene->contact.surfaces.n);
 }
 
-static PetscBool MeetsItself(const struct _Scene *scene) {
-  return scene->contact.self;
+static PetscBool MeetsStrands(const struct _Scene *scene) {
+  return ContactOfStrands(&scene->contact);
 }
 
 static PetscBool RubsOnWalls(const struct _Scene *scene) {
@@ -165,9 +165,9 @@ PetscBool RodMeetsWalls(const Rod rod) {
   return Any(rod, MeetsWalls);
 }
 
-/* RodMeetsItself - can another part of it, or another rod? */
-PetscBool RodMeetsItself(const Rod rod) {
-  return Any(rod, MeetsItself);
+/* RodMeetsStrands - can another part of it, or another rod? */
+PetscBool RodMeetsStrands(const Rod rod) {
+  return Any(rod, MeetsStrands);
 }
 
 /* RodRubsOnWalls - does a wall have friction? */
@@ -249,7 +249,7 @@ static PetscBool IsNotViscous(const struct _Scene *scene) {
 
   return (PetscBool)(scene->load.friction.mu != 0 || scene->load.friction.own ||
                      scene->tip.law == TIP_RESISTANCE || ContactWallsRub(contact) ||
-                     (contact->self && contact->friction > 0));
+                     (ContactOfStrands(contact) && contact->friction > 0));
 }
 
 static PetscBool IsLimit(const struct _Scene *scene) {

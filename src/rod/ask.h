@@ -36,7 +36,7 @@ const SceneUnits *RodUnits(const Rod rod);
 /* what it can touch */
 PetscBool RodTouches(const Rod rod);
 PetscBool RodMeetsWalls(const Rod rod);
-PetscBool RodMeetsItself(const Rod rod);
+PetscBool RodMeetsStrands(const Rod rod);
 PetscBool RodRubsOnWalls(const Rod rod);
 void RodMakeSlippery(Rod rod, PetscBool slippery);
 PetscReal RodLayer(const Rod rod);

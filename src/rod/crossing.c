@@ -40,7 +40,7 @@ PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
   PetscFunctionBegin;
   *count = 0;
   if (n < 4) PetscFunctionReturn(0);
-  PetscCall(BlocksOfLine(2, n - 1, NODE_VALUES, nodes[0].x, &nodes[0].theta, &line));
+  PetscCall(BlocksOfLine(2, n - 1, NODE_VALUES, nodes[0].x, &nodes[0].theta, NULL, &line));
   BlocksPairs(line, 0, CannotCross, CountCrossing, &self);
   PetscCall(BlocksDestroy(&line));
   *count = self.count;
@@ -52,11 +52,12 @@ PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count) {
 /* A rod that moves from one state to another, every node evenly. */
 typedef struct {
   const Node *from, *to;
+  const PetscInt *of; /* as of RodPassesItself() */
   PetscBool passes;
 } Motion;
 
 static inline void Between(const Motion *self, PetscInt i, PetscReal tau, PetscReal x[3]) {
-  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->from[i].x3[d] + tau * self->to[i].x3[d];
+  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->from[i].x[d] + tau * self->to[i].x[d];
 }
 
 /* The sides r, q of segments i and j at a time, and the way o from one to the other. */
@@ -125,6 +126,27 @@ static int Pieces(const PetscReal f[4], PetscReal at[4]) {
   return n;
 }
 
+/* Are two nodes one place, before and behind? There rods are joined. */
+static PetscBool AreJoined(const Motion *self, PetscInt i, PetscInt j, PetscReal length) {
+  const PetscReal rounding = PetscSqr(1e-7 * length);
+  PetscReal before[3], behind[3];
+
+  Minus3(self->from[i].x, self->from[j].x, before);
+  Minus3(self->to[i].x, self->to[j].x, behind);
+  return (PetscBool)(Dot3(before, before) < rounding && Dot3(behind, behind) < rounding);
+}
+
+/* Have segments of two rods an end in common? */
+static PetscBool MeetAtJoint(const Motion *self, PetscInt i, PetscInt j) {
+  PetscReal side[3];
+
+  if (!self->of || self->of[i] == self->of[j]) return PETSC_FALSE;
+  Minus3(self->to[i + 1].x, self->to[i].x, side);
+  for (int k = 0; k < 4; k++)
+    if (AreJoined(self, i + k / 2, j + k % 2, PetscSqrtReal(Dot3(side, side)))) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
 /* Do segments i and j pass through each other? They do when they lie in a plane, and cross in it.
  */
 static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
@@ -133,6 +155,7 @@ static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
   int pieces;
 
   if (self->passes || j <= i + 1) return; /* neighbours have a node in common */
+  if (self->of && (self->of[i] != self->of[i + 1] || self->of[j] != self->of[j + 1])) return;
   for (int k = 0; k < 4; k++) f[k] = VolumeAt(self, i, j, k / 3.);
   pieces = Pieces(f, at);
   for (int k = 0; k < pieces && !self->passes; k++) {
@@ -145,14 +168,18 @@ static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
       else
         high = mid;
     }
-    self->passes = CrossAt(self, i, j, low);
+    self->passes = (PetscBool)(CrossAt(self, i, j, low) && !MeetAtJoint(self, i, j));
   }
 }
 
 /* RodPassesItself - does the polygon through n nodes in space pass through itself on its way from
-   one state to another, every node on a straight line? Not collective. */
-PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, PetscBool *passes) {
-  Motion self = {from, to, PETSC_FALSE};
+   one state to another, every node on a straight line? Not collective.
+
+   of  of several polygons, one behind the other, that of each node, in a frame that they share;
+       NULL: it is one */
+PetscErrorCode RodPassesItself(PetscInt n, const PetscInt *of, const Node *from, const Node *to,
+                               PetscBool *passes) {
+  Motion self = {from, to, of, PETSC_FALSE};
   PetscReal way = 0;
   Blocks line;
 
@@ -160,8 +187,8 @@ PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, Pet
   *passes = PETSC_FALSE;
   if (n < 4) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < n; i++)
-    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x3[d] - from[i].x3[d]));
-  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x3, NULL, &line));
+    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x[d] - from[i].x[d]));
+  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x, NULL, of, &line));
   BlocksPairs(line, 2 * way, NULL, MeetMoving, &self);
   PetscCall(BlocksDestroy(&line));
   *passes = self.passes;

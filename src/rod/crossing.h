@@ -4,7 +4,8 @@
 
 #include "rod/rod.h"
 
-PetscErrorCode RodPassesItself(PetscInt n, const Node *from, const Node *to, PetscBool *passes);
+PetscErrorCode RodPassesItself(PetscInt n, const PetscInt *of, const Node *from, const Node *to,
+                               PetscBool *passes);
 PetscErrorCode RodCrossings(PetscInt n, const Node *nodes, PetscInt *count);
 
 #endif

@@ -26,7 +26,7 @@ typedef struct {
   PetscReal t;
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
-  Vec local[2];
+  Vec local, local_t;
   Law *law;                   /* of nodes a, mid, b of the cell */
   FrictionDual *dual[3];      /* likewise */
   const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
@@ -110,7 +110,6 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
 /* The cell that is looked at, for its feet. */
 static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  const Point *end[2] = {cell->a, cell->b};
   CurveCell *curve = &of->curve;
 
   *of = (FootCell){.dims = 2, .curve = {.h = cell->h}, .moves = PETSC_TRUE};
@@ -121,11 +120,12 @@ static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
     of->weight[k] = k == 1 ? frame->mid_weight : frame->end_weight;
   }
   for (int e = 0; e < 2; e++) {
+    const Point *p = e ? cell->b : cell->a;
     curve->g[e] = cell->law[2 * e].g;
-    Put2(VelocitySlope(&cell->law[2 * e], end[e], cell->u_t[i + e][TH]), curve->slope_t[e]);
+    Put2(VelocitySlope(&cell->law[2 * e], p, cell->u_t[i + e][TH]), curve->slope_t[e]);
     Put2(From2(cell->u[i + e] + X1), curve->x[e]);
     Put2(From2(cell->u_t[i + e] + X1), curve->x_t[e]);
-    Put2(From2(end[e]->at.q), curve->q[e]);
+    Put2(From2(p->at.q), curve->q[e]);
   }
 }
 
@@ -211,8 +211,8 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
     cell->u = (const PetscReal(*)[FIELDS])rod->learned->u + 1 - rod->first;
     cell->u_t = (const PetscReal(*)[FIELDS])rod->learned->u_t + 1 - rod->first;
   } else {
-    PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
-    PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
+    PetscCall(RodOpen(rod, at->U, &cell->local, &cell->u));
+    PetscCall(RodOpen(rod, at->U_t, &cell->local_t, &cell->u_t));
   }
   if (frame->strands) PetscCall(StrandRowsLoad(rod, frame->strands, at, &cell->push, &couple));
   PetscCall(RodRecognise(at, &frame->seen, &cell->known));
@@ -226,8 +226,8 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
 static PetscErrorCode CellsClose(Cell *cell) {
   PetscFunctionBegin;
   if (cell->rod->learned) PetscFunctionReturn(0);
-  PetscCall(RodClose(cell->rod, &cell->local[0], &cell->u));
-  PetscCall(RodClose(cell->rod, &cell->local[1], &cell->u_t));
+  PetscCall(RodClose(cell->rod, &cell->local, &cell->u));
+  PetscCall(RodClose(cell->rod, &cell->local_t, &cell->u_t));
   PetscFunctionReturn(0);
 }
 
@@ -565,7 +565,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     CellsNext(&cell, i);
     if (i == 0) YieldBegins(&cell, end);
     YieldBlocks(&cell, i, (PetscBool)(i == begin), at->shift, left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[AT_A], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], learned.clock[AT_A][0], at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? end[0] : NULL, &learned, left[0], right[0],
                             &learned.slope[AT_A], learned.clock[AT_A][0], NULL, room, J));
@@ -576,7 +576,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
     PetscCall(PetscMemzero(end, sizeof(end)));
     for (int r = 0; r < TIP_ROWS; r++) PetscCall(PetscArraycpy(end[r], by[r], FIELDS));
     FrameYieldEnd(at->shift, end[LINE_HALF]);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], at->shift);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], learned.clock[AT_B][1], at->shift);
     LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B],
                             learned.clock[AT_B][1], end[0], room, J));
@@ -618,7 +618,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     CellBlocks(&cell, i, (PetscBool)(i == begin), PETSC_TRUE, at->shift, left, right);
     FrameLearnedCell(rod, i, cell.h, cell.a, cell.mid, cell.b, PETSC_TRUE,
                      (PetscBool)(i + 1 == rod->last), left, right, &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[AT_A], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     if (frame->strands && i >= rod->first) KeepCell(&cell, StrandRowsCell(rod, frame->strands, i));
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
@@ -626,7 +626,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, cell.b, at->shift, by);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], at->shift);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], NULL, at->shift);
     LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B], NULL,
                             by[0], room, J));
@@ -725,8 +725,8 @@ static void Condense(Cell *cell, PetscInt i, PetscBool new_a, PetscBool new_b,
 
   FrameLearnedCell(rod, i, cell->h, cell->a, cell->mid, cell->b, new_a, new_b, left, right,
                    &learned);
-  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[AT_A], shift);
-  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[AT_B], shift);
+  if (new_a) LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, shift);
+  if (new_b) LearnedNodeSlope(rod, i + 1, &learned.slope[AT_B], NULL, shift);
   LearnedCondense(rod, i, &learned, shift, left[0], right[0]);
   if (i + 1 == rod->last) LearnedSignalSlope(rod, &learned.slope[AT_B], shift);
 }
@@ -894,14 +894,33 @@ static PetscErrorCode FrameRecalled(Rod rod) {
   PetscFunctionReturn(0);
 }
 
+/* Between a node and its unknowns. */
+static void PutNode(const Node *node, PetscReal u[FIELDS]) {
+  Put2(From2(node->x), u + X1);
+  u[TH] = node->theta;
+  u[M] = node->moment;
+  Put2(From2(node->force), u + N1);
+}
+
+static void GetNode(const PetscReal u[FIELDS], Node *node) {
+  Put2(From2(u + X1), node->x);
+  node->theta = u[TH];
+  node->moment = u[M];
+  Put2(From2(u + N1), node->force);
+}
+
+static void GetRates(const PetscReal u_t[FIELDS], Node *node) {
+  Put2(From2(u_t + X1), node->x_t);
+  node->theta_t = u_t[TH];
+}
+
 static PetscErrorCode FrameSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   const PetscInt fields = rod->model->fields;
   PetscReal *u;
 
   PetscFunctionBegin;
   PetscCall(VecGetArray(U, (PetscScalar **)&u));
-  for (PetscInt i = 0; i < rod->end - rod->first; i++)
-    PetscCall(PetscMemcpy(u + i * fields, &nodes[i], FIELDS * sizeof(*u)));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++) PutNode(&nodes[i], u + i * fields);
   PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedSet(rod, nodes, U));
   if (!((Frame *)rod->data)->yields) PetscFunctionReturn(0);
@@ -929,15 +948,14 @@ static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscCall(VecGetArrayRead(U, (const PetscScalar **)&u));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(PetscMemzero(&nodes[i], sizeof(PlaneNode)));
-    PetscCall(PetscMemcpy(&nodes[i], u + i * fields, FIELDS * sizeof(*u)));
+    GetNode(u + i * fields, &nodes[i]);
     if (frame->yields) PetscCall(PetscArraycpy(nodes[i].growth, u + i * fields + FIELDS, 2));
   }
   PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedGet(rod, U, nodes));
   if (!U_t) PetscFunctionReturn(0);
   PetscCall(VecGetArrayRead(U_t, (const PetscScalar **)&u));
-  for (PetscInt i = 0; i < n; i++)
-    PetscCall(PetscMemcpy(nodes[i].x_t, u + i * fields, 3 * sizeof(*u)));
+  for (PetscInt i = 0; i < n; i++) GetRates(u + i * fields, &nodes[i]);
   PetscCall(VecRestoreArrayRead(U_t, (const PetscScalar **)&u));
   PetscFunctionReturn(0);
 }
@@ -971,7 +989,7 @@ static PetscErrorCode FrameCreate(Rod rod) {
   if (!rod->scene->contact.self) PetscFunctionReturn(0);
   UserCheck(rod->order == 4, rod->scene->comm, "-rod_order 2: -contact_self needs order 4");
   rod->coupled = PETSC_TRUE;
-  PetscCall(StrandRowsCreate(rod, &frame->strands));
+  PetscCall(StrandRowsCreate(rod, NULL, &frame->strands));
   rod->memory += StrandRowsMemory(frame->strands);
   PetscFunctionReturn(0);
 }

@@ -35,7 +35,7 @@ static void SeeSlope(const Rod rod, PetscInt place, Vector2 x, const Point *p,
   const Vector2 q = From2(p->at.q);
   PetscReal pull[3], by_x[3][3];
 
-  memset(slope, 0, sizeof(*slope));
+  for (int f = 0; f < YIELD_FIELDS; f++) slope->sensed[0][f] = slope->elastic[0][f] = 0;
   slope->elastic[0][M] = ((const Frame *)rod->data)->law[place].flex;
   if (!LearnedSenses(rod, place)) return;
   TropismPull(&rod->scene->tropism, (const PetscReal[3]){x.x, x.y}, pull, by_x);
@@ -96,8 +96,9 @@ static void MidByEnd(PetscReal k, const Law *law, const Point *p,
                      PetscReal by[LEARNED_MOST][LEARNED_MOST], PetscReal by_bend[LEARNED_MOST]) {
   const PetscReal kg = k * law->g, *q = p->at.q;
 
-  memset(by, 0, FIELDS * sizeof(*by));
-  memset(by_bend, 0, LEARNED_MOST * sizeof(*by_bend));
+  for (int f = X1; f <= M; f++)
+    for (int u = 0; u < FIELDS; u++) by[f][u] = 0;
+  for (int f = 0; f < FIELDS; f++) by_bend[f] = 0;
   for (int f = X1; f <= M; f++) by[f][f] = 0.5;
   by[X1][TH] = -kg * q[1];
   by[X2][TH] = kg * q[0];
@@ -128,7 +129,7 @@ void FrameLearnedSlopes(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
   if (at_a) SeeSlope(rod, place, From2(a->at.x), a, &cell->slope[AT_A]);
   SeeSlope(rod, place + 1, MidPlace(frame->bow * h, a, b), mid, &cell->slope[AT_MID]);
   if (at_b) SeeSlope(rod, place + 2, From2(b->at.x), b, &cell->slope[AT_B]);
-  memset(cell->column[AT_MID], 0, sizeof(cell->column[AT_MID]));
+  for (int f = 0; f < YIELD_FIELDS; f++) cell->column[AT_MID][0][f] = 0;
   cell->column[AT_MID][0][TH] = -h * frame->mid_weight * frame->law[place + 1].g;
 }
 

@@ -29,6 +29,7 @@ PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt be
   self->per = (rod->model->fields - mech) / 2;
   self->remembers = (PetscBool)(self->per > bends);
   self->at_tip = law->at_tip;
+  self->kind = LearnedKindOf(rod);
   FindDrive(rod);
   PetscCall(PetscCalloc4(nodes * mech, &self->u, nodes * mech, &self->u_t, places * self->per,
                          &self->k, places * self->per, &self->k_t));

@@ -8,7 +8,7 @@
 #include "curve/cell.h"
 #include "rod/rod.h"
 
-enum { LEARNED_MOST = 13, LEARNED_STENCIL = 6 }; /* unknowns of the mechanics of a node, at most */
+enum { LEARNED_MOST = 15, LEARNED_STENCIL = 6 }; /* unknowns of the mechanics of a node, at most */
 
 /* By the unknowns of a point: what is sensed there, and its elastic bends. */
 typedef struct {
@@ -48,7 +48,11 @@ typedef struct {
   LearnedRow at_mid;
 } LearnedFactor;
 
+/* How the states of a model are condensed: learned_solve.c. */
+typedef const struct LearnedKind_ *LearnedKind;
+
 typedef struct Learned_ {
+  LearnedKind kind;
   PetscInt mech, bends, per; /* unknowns of the mechanics, bends, states of a place */
   PetscInt lead;  /* of the mechanics, those that a rod has which feels no force when it grows; */
   PetscInt extra; /* ... and the two beside them that one has which does: V and L, the last */
@@ -86,7 +90,8 @@ PetscErrorCode LearnedFill(Rod rod, void *array);
 PetscErrorCode LearnedFilled(Rod rod, Vec F);
 void LearnedResidual(Rod rod, PetscInt place, const LearnedPoint *point);
 void LearnedSignalResidual(Rod rod, const PetscReal sensed[]);
-void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal shift[]);
+void LearnedNodeSlope(Rod rod, PetscInt i, const LearnedSlope *slope, const PetscReal *clock,
+                      const PetscReal shift[]);
 void LearnedCondense(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[],
                      PetscReal *left, PetscReal *right);
 void LearnedSignalSlope(Rod rod, const LearnedSlope *slope, const PetscReal shift[]);

@@ -101,19 +101,13 @@ static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Row
       for (int e = 0; e < 2; e++) {
         const PetscInt at = first + k * self->bends + b;
         for (PetscInt f = 0; f < self->mech; f++)
-          LearnedAdd(self->mech, of[k][f], cell->by_node[e][f], Entry(rod, rows, at, OWN + e, 0));
+          if (of[k][f] != 0) /* (rows that nothing goes by are not told) */
+            LearnedAdd(self->mech, of[k][f], cell->by_node[e][f], Entry(rod, rows, at, OWN + e, 0));
         for (PetscInt c = 0; c < self->bends; c++)
           *Entry(rod, rows, at, OWN + e, self->mech + c) +=
               LearnedTimes(self->mech, of[k], cell->by_bend[e][c]);
       }
   }
-}
-
-/* Is an equation of a cell, or of an end, a row of the node before it? V's is. */
-static PetscBool OfNodeBefore(const Rod rod, PetscInt row) {
-  const Learned self = rod->learned;
-
-  return (PetscBool)(row < rod->model->halves[0] || (self->extra && row == self->lead));
 }
 
 /* The equations of a cell that are rows of the node before it, or the others; its nodes are the
@@ -124,7 +118,7 @@ static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal
   const PetscReal *J[2] = {left, right};
 
   for (PetscInt r = 0; r < self->mech; r++) {
-    if (OfNodeBefore(rod, r) != before) continue;
+    if (LearnedIsBefore(rod, r) != before) continue;
     for (int e = 0; e < 2; e++) {
       LearnedAdd(self->mech, 1, J[e] + r * self->mech, Entry(rod, rows, r, a + e, 0));
       for (PetscInt b = 0; b < self->bends; b++)
@@ -140,7 +134,7 @@ static void PutEnd(const Rod rod, const PetscReal *by, PetscBool before, const R
   const PetscInt mech = rod->learned->mech;
 
   for (PetscInt r = 0; r < mech; r++) {
-    if (OfNodeBefore(rod, r) != before) continue;
+    if (LearnedIsBefore(rod, r) != before) continue;
     LearnedAdd(mech, 1, by, Entry(rod, rows, r, OWN, 0));
     by += mech;
   }

@@ -10,6 +10,7 @@
 PetscErrorCode LearnedPart(Rod rod, Vec V, PetscReal *mech, PetscReal *w, PetscReal *states);
 PetscErrorCode LearnedPut(Rod rod, const PetscReal *mech, const PetscReal *states, Vec V);
 PetscErrorCode LearnedFromLastRank(const Rod rod, PetscReal signal[]);
+LearnedKind LearnedKindOf(const Rod rod);
 PetscErrorCode LearnedShareSignal(Rod rod, const PetscReal *states, PetscReal signal[]);
 
 /* The place where the last node has the tip's own signal. */
@@ -20,6 +21,13 @@ static inline PetscInt LearnedSignalPlace(const Rod rod) {
 /* Is a place that where material comes in? */
 static inline PetscBool LearnedIsBorn(const Rod rod, PetscInt place) {
   return (PetscBool)(rod->learned->born && place == 2);
+}
+
+/* Is an equation of a cell a row of the node behind it? V's is. */
+ALWAYS_INLINE PetscBool LearnedIsBefore(const Rod rod, PetscInt row) {
+  const struct Learned_ *self = rod->learned;
+
+  return (PetscBool)(row < rod->model->halves[0] || (self->extra && row == self->lead));
 }
 
 /* y += s x, of the mechanics' unknowns. */

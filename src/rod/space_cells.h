@@ -52,7 +52,7 @@ typedef struct {
   PetscBool split; /* the rod rests at one end of this cell, or turns the other way: see Splits() */
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
-  Vec local[2];
+  Vec local, local_t;
   Law *law; /* of nodes a, mid, b of the cell */
   FrictionDual *dual[3];
   const PetscReal (*push)[3];   /* what strands add to n' at all points of the rod; NULL: none */
@@ -178,7 +178,8 @@ PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes);
 void SpaceLearnedLaws(Rod rod, PetscReal t);
 PetscErrorCode SpaceLearnedOpen(Rod rod, const RodState *at);
 void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid);
-void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, LearnedSlope *slope);
+void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const PetscReal (*u_p)[4],
+                       const PetscReal (*u_m)[3], LearnedSlope *slope);
 void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4]);
 
 /* space_defect.c */

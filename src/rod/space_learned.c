@@ -28,24 +28,22 @@ static void SeePoint(const Rod rod, PetscInt place, const Point *p, LearnedPoint
   }
 }
 
-/* SpaceLearnedSlope - how these change with x, p and m there. */
-void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, LearnedSlope *slope) {
-  const Law *law = &((const Space_ *)rod->data)->law[place];
-  const PetscBool senses = LearnedSenses(rod, place);
-  PetscReal pull[3] = {0}, by_x[3][3] = {{0}};
+/* SpaceLearnedSlope - how these change with x, p and m there; u_p, u_m: the strains by p and m. */
+void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const PetscReal (*u_p)[4],
+                       const PetscReal (*u_m)[3], LearnedSlope *slope) {
+  PetscReal pull[3], by_x[3][3];
 
-  memset(slope, 0, sizeof(*slope));
-  if (senses) TropismPull(&rod->scene->tropism, p->at.x, pull, by_x);
   for (int b = 0; b < TROPISM_BENDS; b++) {
-    const int k = turn[b], along = b ? 2 : 1; /* sensed about d3 is along d2, about d2 along -d3 */
+    for (int i = 0; i < FIELDS; i++) slope->sensed[b][i] = slope->elastic[b][i] = 0;
+    for (int j = 0; j < 4; j++) slope->elastic[b][P + j] = u_p[turn[b]][j];
+    for (int i = 0; i < 3; i++) slope->elastic[b][M + i] = u_m[turn[b]][i];
+  }
+  if (!LearnedSenses(rod, place)) return;
+  TropismPull(&rod->scene->tropism, p->at.x, pull, by_x);
+  for (int b = 0; b < TROPISM_BENDS; b++) {
+    const int along = b ? 2 : 1; /* sensed about d3 is along d2, about d2 along -d3 */
     const PetscReal sign = b ? -1 : 1;
     PetscReal D[3][4];
-    DirectorSlope(p->p, p->size, p->d[k], k, D);
-    for (int i = 0; i < 3; i++) {
-      slope->elastic[b][M + i] = law->flex[k] * p->d[k][i];
-      for (int j = 0; j < 4; j++) slope->elastic[b][P + j] += law->flex[k] * D[i][j] * p->m[i];
-    }
-    if (!senses) continue;
     DirectorSlope(p->p, p->size, p->d[along], along, D);
     for (int i = 0; i < 3; i++) {
       for (int j = 0; j < 4; j++) slope->sensed[b][P + j] += sign * pull[i] * D[i][j];

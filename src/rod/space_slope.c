@@ -419,31 +419,38 @@ static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift
                SpaceTipDual(rod), by);
 }
 
+/* How W in the middle of a cell changes with p there, as it is turned. */
+static void MidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][4]) {
+  PetscReal by[RUBS][FIELDS] = {{0}};
+
+  if (cell->cubic)
+    SlideSlope(cell->load, &cell->law[1], mid, by);
+  else
+    TurnSlope(cell->load, &cell->law[1], cell->mid, mid, by);
+  for (int c = 0; c < RUBS; c++) memcpy(turn[c], by[c] + P, sizeof(turn[c]));
+}
+
 /* A cell's equations by the bend learned at one of its ends: that turns p' there, and so p in the
-   middle by k times that. e: the end, a (0) or b (1). */
-static void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid, PetscReal column[FIELDS],
-                     PetscReal by_bend[FIELDS]) {
+   middle by k times that. e: the end, a (0) or b (1); turn: MidTurns(). */
+ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
+                            PetscReal turn[RUBS][4], PetscReal column[FIELDS],
+                            PetscReal by_bend[FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscReal k = (e ? -1 : 1) * self->bow * cell->h, we = cell->h * self->end_weight,
                   wm = cell->h * self->mid_weight, wg = wm * cell->law[AT_MID].g;
   const Point *p = e ? cell->b : cell->a;
-  PetscReal turned[4], turn[RUBS][FIELDS] = {{0}}, dW[RUBS] = {0};
+  PetscReal turned[4], dW[RUBS] = {0};
 
   SpaceLearnedTurn(&cell->law[2 * e], p, bend, turned);
-  memset(column, 0, FIELDS * sizeof(*column));
-  memset(by_bend, 0, FIELDS * sizeof(*by_bend));
+  for (int r = 0; r < FIELDS; r++) column[r] = by_bend[r] = 0;
   for (int j = 0; j < 4; j++) {
     by_bend[P + j] = k * turned[j];
     column[P + j] = -we * turned[j];
   }
-  if (cell->cubic)
-    SlideSlope(cell->load, &cell->law[AT_MID], mid, turn);
-  else
-    TurnSlope(cell->load, &cell->law[AT_MID], cell->mid, mid, turn);
-  for (int r = 0; r < FIELDS; r++)
+  for (int r = 0; r < (LoadPlaced(cell->load) ? FIELDS : N); r++)
     for (int j = 0; j < 4; j++) column[r] -= wm * mid->f[r][P + j] * by_bend[P + j];
   for (int c = 0; c < RUBS; c++)
-    for (int j = 0; j < 4; j++) dW[c] += turn[c][P + j] * by_bend[P + j];
+    for (int j = 0; j < 4; j++) dW[c] += turn[c][j] * by_bend[P + j];
   if (cell->cubic) /* the spin's slope there has - g u_k d_k.d1_t */
     dW[SPIN] -= cell->load->arm * k * cell->law[2 * e].g * Dot3(p->d[bend ? 1 : 2], p->d1_t);
   for (int i = 0; i < 3; i++)
@@ -462,28 +469,33 @@ static void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid, PetscR
 
 /* What the material of cell i has learned, for learned.h; slopes at its nodes where they are asked
    for. */
-static void LearnedOf(const Cell *cell, PetscInt i, const Slopes *slopes, PetscBool at_a,
-                      PetscBool at_b, LearnedCell *learned) {
+WIDE_VECTORS static void LearnedOf(const Cell *cell, PetscInt i, const Slopes *slopes,
+                                   PetscBool at_a, PetscBool at_b, LearnedCell *learned) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscInt place = 2 * (i - cell->rod->first + 1);
   const PetscBool asked[3] = {at_a, PETSC_TRUE, at_b};
   const Point *at[3] = {cell->a, cell->mid, cell->b};
-  const Slope *end[2] = {&slopes->a, &slopes->b};
+  const Slope *slope[3] = {&slopes->a, &slopes->mid, &slopes->b};
+  PetscReal turn[RUBS][4];
 
+  MidTurns(cell, &slopes->mid, turn);
   for (int k = 0; k < 3; k++)
-    if (asked[k]) SpaceLearnedSlope(cell->rod, place + k, at[k], &learned->slope[k]);
+    if (asked[k])
+      SpaceLearnedSlope(cell->rod, place + k, at[k], (const PetscReal(*)[4])slope[k]->u_p,
+                        (const PetscReal(*)[3])slope[k]->u_m, &learned->slope[k]);
   for (int e = 0; e < 2; e++) {
     const PetscReal k = (e ? -1 : 1) * self->bow * cell->h;
-    for (int r = 0; r < FIELDS; r++)
-      for (int j = 0; j < FIELDS; j++)
-        learned->by_node[e][r][j] = k * end[e]->f[r][j] + (r == j ? 0.5 : 0);
+    for (int r = X; r < N; r++) { /* (of what is there nothing sees the force) */
+      for (int j = 0; j < FIELDS; j++) learned->by_node[e][r][j] = k * slope[2 * e]->f[r][j];
+      learned->by_node[e][r][r] += 0.5;
+    }
     for (int b = 0; b < TROPISM_BENDS; b++)
-      ColumnOf(cell, e, b, &slopes->mid, learned->column[2 * e][b], learned->by_bend[e][b]);
+      ColumnOf(cell, e, b, &slopes->mid, turn, learned->column[2 * e][b], learned->by_bend[e][b]);
   }
   for (int b = 0; b < TROPISM_BENDS; b++) {
     PetscReal turned[4];
     SpaceLearnedTurn(&cell->law[AT_MID], cell->mid, b, turned);
-    memset(learned->column[AT_MID][b], 0, sizeof(learned->column[AT_MID][b]));
+    for (int r = 0; r < FIELDS; r++) learned->column[AT_MID][b][r] = 0;
     for (int j = 0; j < 4; j++)
       learned->column[AT_MID][b][P + j] = -cell->h * self->mid_weight * turned[j];
   }
@@ -496,10 +508,18 @@ static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscR
   LearnedCell learned;
 
   LearnedOf(cell, i, slopes, first, PETSC_TRUE, &learned);
-  if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[AT_A], shift);
-  LearnedNodeSlope(cell->rod, i + 1, &learned.slope[AT_B], shift);
+  if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[AT_A], NULL, shift);
+  LearnedNodeSlope(cell->rod, i + 1, &learned.slope[AT_B], NULL, shift);
   LearnedCondense(cell->rod, i, &learned, shift, left[0], right[0]);
   if (i + 1 == cell->rod->last) LearnedSignalSlope(cell->rod, &learned.slope[AT_B], shift);
+}
+
+/* Where what strands need to know of the cell behind an owned node is kept; NULL: nowhere. */
+static StrandCell *KeptCell(Rod rod, PetscInt i) {
+  const Space_ *self = (const Space_ *)rod->data;
+
+  if (self->strands && i >= rod->first) return StrandRowsCell(rod, self->strands, i);
+  return rod->pushed.cells ? rod->pushed.cells + i : NULL;
 }
 
 /* What strands need to know of the cell behind a node. */
@@ -517,11 +537,11 @@ static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
 /* ... if its material learns its natural curvature. */
 static void KeepLearnedCell(const Cell *cell, PetscInt i, const Slope *mid,
                             const LearnedSlope *slope) {
-  const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscReal clock = cell->rod->learned->clock[2 * (i - cell->rod->first + 1) + 1];
-  StrandCell *kept = StrandRowsCell(cell->rod, self->strands, i);
+  StrandCell *kept = KeptCell(cell->rod, i);
   PetscReal by[FIELDS];
 
+  if (!kept) return;
   KeepCell(cell, mid, kept);
   for (int b = 0; b < TROPISM_BENDS; b++) {
     LearnedByElastic(cell->rod, clock, slope, b, by);
@@ -548,16 +568,15 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
     SpaceCellsNext(&cell, i);
     CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
     LearnedOf(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
-    LearnedNodeSlope(rod, i, &learned.slope[AT_A], at->shift);
+    LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
-    if (self->strands && i >= rod->first)
-      KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[AT_MID]);
+    if (i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[AT_MID]);
     PetscCall(LearnedMatrix(rod, i, i == 0 ? of_begin[0] : NULL, &learned, left[0], right[0],
                             &learned.slope[AT_A], NULL, NULL, room, J));
   }
   if (rod->end > rod->last) {
     TipBlock(&cell, &slopes.b, at->shift, by);
-    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], at->shift);
+    LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], NULL, at->shift);
     LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B], NULL,
                             by[0], room, J));
@@ -583,6 +602,7 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
   Space_ *self = (Space_ *)rod->data;
   PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[FIELDS][FIELDS], right[FIELDS][FIELDS], by[RIGHT][FIELDS];
+  StrandCell *kept;
   Slopes slopes;
   Cell cell;
   Rows row;
@@ -604,8 +624,8 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
     if (i < rod->last) {
       SpaceCellsNext(&cell, i);
       CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
-      if (self->strands && i >= rod->first)
-        KeepCell(&cell, &slopes.mid, StrandRowsCell(rod, self->strands, i));
+      kept = KeptCell(rod, i);
+      if (kept) KeepCell(&cell, &slopes.mid, kept);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {

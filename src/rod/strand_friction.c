@@ -42,7 +42,7 @@ static FrictionDual *DualOf(const struct _Strands *self, const Pair *pair) {
 
 /* w and its power, of the slip and of what its dual holds. */
 static void RubOf(const struct _Strands *self, Pair *pair) {
-  const PetscReal w = ContactRub(self->contact, pair->slip, DualOf(self, pair), &pair->w_slip);
+  const PetscReal w = ContactRub(pair->contact, pair->slip, DualOf(self, pair), &pair->w_slip);
 
   pair->w[0] = -w * pair->n[1];
   pair->w[1] = w * pair->n[0];
@@ -58,7 +58,7 @@ static void RubInPlane(const struct _Strands *self, Pair *pair, const CurveMotio
 
 /* Brings the dual of a pair up to its slip. */
 static void Advance(const struct _Strands *self, Pair *pair, PetscBool fresh) {
-  FrictionFollow(1, &self->contact->rub, &pair->slip, fresh, DualOf(self, pair));
+  FrictionFollow(1, &pair->contact->rub, &pair->slip, fresh, DualOf(self, pair));
   RubOf(self, pair);
 }
 
@@ -105,7 +105,7 @@ PetscErrorCode StrandsHold(Strands self, PetscReal seen, PetscReal *creep) {
     const Pair *pair = &self->pair[k];
     if (!pair->active || pair->p == 0) continue;
     *creep =
-        LargerOf(*creep, PetscMin(1, self->contact->friction * pair->p) *
+        LargerOf(*creep, PetscMin(1, pair->contact->friction * pair->p) *
                              FrictionHold(1, &pair->slip, seen, friction_hold, DualOf(self, pair)));
   }
   PetscFunctionReturn(0);
@@ -138,7 +138,7 @@ static void TurningOf(const struct _Strands *self, const Spot *spot, const Curve
 
   for (int d = 0; d < 3; d++) turning->t[d] = motion->t[d];
   Cross3(turning->t, n, turning->a);
-  for (int d = 0; d < 3; d++) turning->a[d] *= -self->contact->diameter / 2;
+  for (int d = 0; d < 3; d++) turning->a[d] *= -StrandOf(self, spot->cell)->contact->diameter / 2;
   turning->spin = (1 - z) * a->spin + z * b->spin;
   turning->spin_z = b->spin - a->spin;
   if (motion->c == 0) return;
@@ -160,7 +160,7 @@ static void RubInSpace(const struct _Strands *self, Pair *pair, const CurveMotio
     TurningOf(self, spot[k], &motion[k], pair->n, turning);
     for (int d = 0; d < 3; d++) pair->V[d] += turning->spin * turning->a[d];
   }
-  FrictionForce(RUBS, &self->contact->rub, pair->V, &pair->dual, w);
+  FrictionForce(RUBS, &pair->contact->rub, pair->V, &pair->dual, w);
   for (int d = 0; d < 3; d++) pair->w[d] = w[d];
   pair->rubs = Dot3(pair->w, pair->V);
 }
@@ -189,7 +189,7 @@ static void TurningSlope(const struct _Strands *self, const Pair *pair, int whic
                          const CurveMotion *motion, CurveBy t_by, PairSlope *by) {
   const Spot *spot = which ? &pair->foot : &pair->at;
   const Turning *turning = &pair->turning[which];
-  const PetscReal half = self->contact->diameter / 2, z = spot->on.z;
+  const PetscReal half = StrandOf(self, spot->cell)->contact->diameter / 2, z = spot->on.z;
   const Joint *joint = self->joint + spot->cell;
 
   for (int f = 0; f < STRAND_UNKNOWNS; f++) {
@@ -233,7 +233,7 @@ static void SlopeInSpace(const struct _Strands *self, Pair *pair, PetscBool fres
     for (int d = 0; d < 3; d++) by->slip[d][f] = dv[d] - pair->n[d] * along - dn[d] * normal;
   }
   for (int k = 0; k < 2; k++) TurningSlope(self, pair, k, &motion[k], t_by[k], by);
-  FrictionLinearise(RUBS, &self->contact->rub, pair->V, fresh, &pair->dual, pair->by);
+  FrictionLinearise(RUBS, &pair->contact->rub, pair->V, fresh, &pair->dual, pair->by);
   for (int f = 0; f < STRAND_UNKNOWNS; f++) {
     PetscReal slip[3];
     Column3(by->slip[0], STRAND_UNKNOWNS, f, slip);
@@ -250,6 +250,18 @@ void PairRub(const struct _Strands *self, Pair *pair) {
   MotionOf(self, &pair->at, &motion[0]);
   MotionOf(self, &pair->foot, &motion[1]);
   (self->dims == 2 ? RubInPlane : RubInSpace)(self, pair, motion);
+}
+
+/* PairFootPower - that of the force on a foot in space, and of the couple that goes with it, f
+   being the force on the sample: per length of that. */
+PetscReal PairFootPower(const struct _Strands *self, const Pair *pair, const PetscReal f[3],
+                        const PetscReal on_foot[3]) {
+  const Turning *turning = &pair->turning[1];
+  CurveMotion motion;
+
+  MotionOf(self, &pair->foot, &motion);
+  return Dot3(on_foot, motion.v) +
+         (pair->contact->friction > 0 ? Dot3(turning->a, f) * turning->spin : 0);
 }
 
 /* PairRubSlope - how w of PairRub() changes, of a pair whose places do as `by` says; what Newton's

@@ -21,6 +21,7 @@ static Layout LayoutOf(const Rod rod) {
 
 struct _StrandRows {
   Strands strands;
+  PetscBool own; /* ... which is ended with it */
   Coupled coupled;
   Layout of;
   StrandCell *cells;  /* behind the owned nodes */
@@ -28,13 +29,18 @@ struct _StrandRows {
   PetscBool searched; /* ... that was searched for pairs */
 };
 
-/* StrandRowsCreate - what a rod needs to touch itself: its strands, all nodes on each rank, room in
-   the matrix. The caller ends it with StrandRowsDestroy(). Collective. */
-PetscErrorCode StrandRowsCreate(Rod rod, StrandRows *rows) {
+/* StrandRowsCreate - what a rod needs to touch itself, or several rods to touch each other: their
+   strands, all nodes on each rank, room in the matrix. The caller ends it with StrandRowsDestroy().
+   Collective.
+
+   strands  those of several rods, which must outlive it; NULL: of one, its own */
+PetscErrorCode StrandRowsCreate(Rod rod, Strands strands, StrandRows *rows) {
   PetscFunctionBegin;
   PetscCall(PetscNew(rows));
   (*rows)->of = LayoutOf(rod);
-  PetscCall(StrandsCreate(rod->scene, &(*rows)->strands));
+  (*rows)->strands = strands;
+  (*rows)->own = (PetscBool)!strands;
+  if (!strands) PetscCall(StrandsCreate(rod->scene, &(*rows)->strands));
   PetscCall(CoupledCreate(rod, &(*rows)->coupled));
   PetscCall(PetscCalloc1(rod->end - rod->first, &(*rows)->cells));
   RodForget(&(*rows)->seen);
@@ -44,7 +50,7 @@ PetscErrorCode StrandRowsCreate(Rod rod, StrandRows *rows) {
 PetscErrorCode StrandRowsDestroy(StrandRows *rows) {
   PetscFunctionBegin;
   if (!*rows) PetscFunctionReturn(0);
-  PetscCall(StrandsDestroy(&(*rows)->strands));
+  if ((*rows)->own) PetscCall(StrandsDestroy(&(*rows)->strands));
   PetscCall(CoupledDestroy(&(*rows)->coupled));
   PetscCall(PetscFree((*rows)->cells));
   PetscCall(PetscFree(*rows));
@@ -215,19 +221,22 @@ static void AddToTip(const Layout *of, StrandSlope *slope, int k, PetscReal *blo
 /* Adds one contact's part of one taker to J. */
 static PetscErrorCode AddTaker(Rod rod, StrandRows self, StrandSlope *slope, int k, Mat J) {
   const Layout *of = &self->of;
-  const PetscInt taker = slope->taker[k], i = taker / 2,
+  const PetscInt taker = slope->taker[k], i = taker / 2, r = StrandsRod(self->strands, i);
+  const Rod one = rod->each[r];
+  const PetscInt first = PetscMax(StrandsFirst(self->strands, r), rod->first),
+                 last = StrandsFirst(self->strands, r) + one->last,
                  column[4] = {slope->cell[0], slope->cell[0] + 1, slope->cell[1],
                               slope->cell[1] + 1};
-  const PetscBool tip = (PetscBool)(taker == 2 * rod->last + 1);
+  const PetscBool tip = (PetscBool)(taker == 2 * last + 1);
 
   PetscFunctionBegin;
   for (int which = 0; which < 2; which++) { /* the cell behind the point, and that before a node */
     const int part = which ? 2 : (int)(taker % 2);
     PetscInt row = i - which, after = row + 1;
     Coupling block, next;
-    if (row < rod->first || row >= rod->end || (which && (taker % 2 || tip))) continue;
-    if (tip && rod->scene->tip.type != TIP_FREE) continue;
-    if (row == rod->last && !tip) continue; /* behind the tip there is no cell */
+    if (row < first || row >= rod->end || (which && (taker % 2 || tip))) continue;
+    if (tip && one->scene->tip.type != TIP_FREE) continue;
+    if (row == last && !tip) continue; /* behind the tip there is no cell */
     PetscCall(PetscArrayzero(block, 4 * of->fields * of->fields));
     if (tip)
       AddToTip(of, slope, k, block);

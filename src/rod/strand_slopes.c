@@ -49,7 +49,7 @@ ALWAYS_INLINE void PlaceSlope(int dims, const struct _Strands *self, const Pair 
 /* df = dp (n - mu w) + p (dn - mu dw) */
 ALWAYS_INLINE void ForceSlope(int dims, const struct _Strands *self, const Pair *pair,
                               const PairSlope *by, StrandBy df) {
-  const PetscReal mu = self->contact->friction;
+  const PetscReal mu = pair->contact->friction;
 
   for (int d = 0; d < dims; d++)
     for (int u = 0; u < 4 * NodeOf(dims); u++)
@@ -87,7 +87,7 @@ ALWAYS_INLINE int TakersBy(int dims, const struct _Strands *self, const Pair *pa
         load[n][d][u] = -share[0] * spread.share[k] * by[0][d][u] / self->weight[spread.point[k]];
   }
   if (share[1] == 0) return n;
-  taker[n] = self->points;
+  taker[n] = TipPoint(StrandOf(self, pair->at.cell));
   for (int d = 0; d < dims; d++)
     for (int u = 0; u < unknowns; u++) load[n][d][u] = share[1] * by[0][d][u];
   return n + 1;
@@ -126,8 +126,13 @@ ALWAYS_INLINE void TakersSlope(int dims, const struct _Strands *self, const Pair
     on_foot[d] = -f[d];
     for (int u = 0; u < 4 * NodeOf(dims); u++) df[1][d][u] = -df[0][d][u];
   }
-  for (int u = 0; u < 4 * NodeOf(dims) && PairOnClamp(self, pair); u++)
-    df[1][0][u] += pair->p_gap * by->gap[u] * pair->n[0] + pair->p * by->n[0][u];
+  for (int u = 0; u < 4 * NodeOf(dims) && PairOnClamp(self, pair); u++) {
+    const PetscReal *axis = StrandOf(self, pair->foot.cell)->axis,
+                    dn[3] = {by->n[0][u], by->n[1][u], by->n[2][u]},
+                    borne =
+                        pair->p_gap * by->gap[u] * Dot3(pair->n, axis) + pair->p * Dot3(dn, axis);
+    for (int d = 0; d < dims; d++) df[1][d][u] += borne * axis[d];
+  }
   slope->cell[0] = pair->at.cell;
   slope->cell[1] = pair->foot.cell;
   slope->takers = TakersBy(dims, self, pair, by->z, on_foot, df, slope->taker, slope->by);
@@ -141,7 +146,7 @@ ALWAYS_INLINE void Linearise(int dims, const struct _Strands *self, Pair *pair, 
   PairSlope by = {.z = {0}};
 
   PlaceSlope(dims, self, pair, &by);
-  if (self->contact->friction > 0) PairRubSlope(self, pair, fresh, &by);
+  if (pair->contact->friction > 0) PairRubSlope(self, pair, fresh, &by);
   TakersSlope(dims, self, pair, &by, slope);
 }
 
@@ -173,9 +178,12 @@ PetscErrorCode StrandsLinearise(Strands self, const StrandState *state, const Pe
   *slopes = self->slopes;
   if (fresh) PairsForget(self);
   StrandJoints(self, state, shift);
-  for (PetscInt k = 0; k < self->n; k++)
-    if (self->pair[k].active)
-      (self->dims == 2 ? LineariseInPlane : LineariseInSpace)(self, &self->pair[k], fresh,
-                                                              &self->slopes[(*n)++]);
+  for (PetscInt k = 0; k < self->n; k++) {
+    StrandSlope *slope = &self->slopes[*n];
+    if (!self->pair[k].active) continue;
+    (self->dims == 2 ? LineariseInPlane : LineariseInSpace)(self, &self->pair[k], fresh, slope);
+    if (self->meet) StrandSlopeToOwn(self, slope);
+    (*n)++;
+  }
   PetscFunctionReturn(0);
 }

@@ -15,20 +15,17 @@ static inline PetscReal Length(const struct _Strands *self, const PetscReal v[3]
 
 /* Where a sample is in the state that is looked at. */
 static const Spot *SampleSpot(const struct _Strands *self, PetscInt sample) {
-  const PetscBool tip = SampleIsTip(self, sample);
   Spot *spot = &self->spot[sample];
   CurveCell cell;
 
   if (self->placed[sample]) return spot;
   self->placed[sample] = PETSC_TRUE;
-  spot->cell = tip ? self->cells - 1 : sample / self->each;
-  spot->on.z = tip ? 1 : (sample % self->each + self->ahead) / self->each;
   StrandCell(self, spot->cell, &cell);
   CurvePlaceAt(&cell, &spot->on);
   return spot;
 }
 
-/* The arc length of a place. */
+/* The arc length of a place, along its rod. */
 static PetscReal ArcAt(const struct _Strands *self, const Spot *spot) {
   return self->arc[spot->cell] + spot->on.z * (self->arc[spot->cell + 1] - self->arc[spot->cell]);
 }
@@ -39,6 +36,8 @@ static PetscReal ArcAt(const struct _Strands *self, const Spot *spot) {
 */
 static void FootFrom(const struct _Strands *self, const PetscReal x[3], Spot *foot,
                      PetscBool *ends) {
+  const Strand *rod = StrandOf(self, foot->cell);
+  PetscInt along = foot->cell - rod->first;
   CurvePlace *on = &foot->on;
   CurveCell cell;
 
@@ -50,7 +49,10 @@ static void FootFrom(const struct _Strands *self, const PetscReal x[3], Spot *fo
     CurvePlaceAt(&cell, on);
     for (int d = 0; d < 3; d++) o[d] = x[d] - on->x[d];
     step = CurveStep(Dot3(o, on->slope), Dot3(on->slope, on->slope), Dot3(o, on->bend));
-    way = CurveGo(self->cells, on->z + step, &foot->cell, &on->z, ends);
+    way = CurveGo(rod->cells, on->z + step, &along, &on->z, ends);
+    if (way == CURVE_NEXT && !IsCell(self, rod->first + along))
+      along += rod->first + along > foot->cell ? 1 : -1;
+    foot->cell = rod->first + along;
     if (way == CURVE_ARRIVED) return;
     if (way == CURVE_NEXT) StrandCell(self, foot->cell, &cell);
   }
@@ -59,21 +61,28 @@ static void FootFrom(const struct _Strands *self, const PetscReal x[3], Spot *fo
 
 /* ---- laws, and the state ---- */
 
-/* What the laws give at time t: at the points, and the arc length at the nodes. */
-static PetscErrorCode LawsAt(Strands self, PetscReal t) {
-  Growth growth = self->scene->growth;
-  const PetscReal *s = self->scene->mesh.s;
+/* What one rod's laws give at time t: at its points, and the arc length at its nodes. */
+static PetscErrorCode RodLawsAt(Strands self, const Strand *rod, PetscReal t) {
+  Growth growth = rod->scene->growth;
+  const PetscReal *s = self->s;
 
   PetscFunctionBegin;
-  PetscCall(SceneContactAt(self->scene, t));
-  if (self->time == t) PetscFunctionReturn(0);
-  for (PetscInt k = 0; k < self->points; k++) {
+  for (PetscInt k = 2 * rod->first; k <= 2 * (rod->first + rod->cells); k++) {
     PetscReal at = k % 2 ? (s[k / 2] + s[k / 2 + 1]) / 2 : s[k / 2];
     PetscCall(GrowthStretch(growth, 1, &at, t, &self->g[k], &self->g_t[k], NULL));
     self->c[k] = GrowthSlide(growth, at, t);
     self->strain[k] = GrowthStrain(growth, at, t, self->g_t[k]);
   }
-  PetscCall(GrowthArc(growth, self->cells + 1, s, t, self->arc, NULL));
+  PetscCall(GrowthArc(growth, rod->cells + 1, s + rod->first, t, self->arc + rod->first, NULL));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode LawsAt(Strands self, PetscReal t) {
+  PetscFunctionBegin;
+  for (PetscInt r = 0; r < self->rods; r++) PetscCall(SceneContactAt(self->rod[r].scene, t));
+  StrandLawsNow(self);
+  if (self->time == t) PetscFunctionReturn(0);
+  for (PetscInt r = 0; r < self->rods; r++) PetscCall(RodLawsAt(self, &self->rod[r], t));
   self->time = t;
   PetscFunctionReturn(0);
 }
@@ -130,7 +139,7 @@ void StrandJoints(Strands self, const StrandState *state, const PetscReal *shift
   const int dims = self->dims;
 
   for (PetscInt k = 0; k < self->samples && !shift; k++) self->placed[k] = PETSC_FALSE;
-  for (PetscInt i = 0; i <= self->cells; i++) {
+  for (PetscInt i = 0; i < self->nodes; i++) {
     const PetscReal *u = state->u + i * state->stride, g = self->g[2 * i], g_t = self->g_t[2 * i],
                     *u_t = state->u_t ? state->u_t + i * state->stride : still;
     Joint *joint = &self->joint[i];
@@ -139,30 +148,36 @@ void StrandJoints(Strands self, const StrandState *state, const PetscReal *shift
       joint->x_t[d] = u_t[d];
       if (shift) joint->by.shift[d] = shift[d];
     }
+    const PetscReal *turn = u + dims + state->between,
+                    *turn_t = state->u_t ? u_t + dims + state->between : still;
     if (dims == 2)
-      JointInPlane(u[dims], u_t[dims], g, g_t, shift ? shift + dims : NULL, joint);
+      JointInPlane(*turn, *turn_t, g, g_t, shift ? shift + dims : NULL, joint);
     else
-      JointInSpace(u + dims, u_t + dims, g, g_t, shift ? shift + dims : NULL, joint);
+      JointInSpace(turn, turn_t, g, g_t, shift ? shift + dims : NULL, joint);
+    if (self->meet) StrandJointToLab(self, i, joint);
   }
 }
 
 /* ---- which samples are near to what ---- */
 
-/* A search under way. */
+/* A search under way: two strands that touch by a law are looked at within a distance. */
 typedef struct {
   Strands self;
-  PetscReal reach;
+  const Contact *contact;
+  PetscReal within;
   PetscErrorCode error;
 } Looking;
 
-static PetscBool SameStrand(const Block *a, PetscInt first_a, PetscInt last_a, const Block *b,
-                            PetscInt first_b, PetscInt last_b, void *ctx) {
+static PetscBool OneStrand(const Block *a, PetscInt first_a, PetscInt last_a, const Block *b,
+                           PetscInt first_b, PetscInt last_b, void *ctx) {
   const Strands self = ((const Looking *)ctx)->self;
-  return (PetscBool)(self->arc[last_b] - self->arc[first_a] < self->apart);
+  return (PetscBool)(self->of[first_a] == self->of[last_b] &&
+                     self->arc[last_b] - self->arc[first_a] < StrandOf(self, first_a)->apart);
 }
 
 /* Is the foot of x on this cell? 1 yes; 2 it is the end of the rod there; 0 no. */
 static int HasFoot(const struct _Strands *self, PetscInt cell, const PetscReal x[3]) {
+  const PetscInt along = cell - StrandOf(self, cell)->first;
   const Joint *joint = self->joint + cell;
   PetscReal f[2];
 
@@ -172,20 +187,44 @@ static int HasFoot(const struct _Strands *self, PetscInt cell, const PetscReal x
     f[k] = Dot3(o, joint[k].q);
   }
   if (f[0] >= 0 && f[1] < 0) return 1;
-  if ((cell == 0 && f[0] < 0) || (cell == self->cells - 1 && f[1] >= 0)) return 2;
+  if ((along == 0 && f[0] < 0) || (along == StrandOf(self, cell)->cells - 1 && f[1] >= 0)) return 2;
   return 0;
+}
+
+/* Are two places on one rod, and near each other along it? */
+static PetscBool SameStrand(const struct _Strands *self, const Spot *a, const Spot *b) {
+  return (PetscBool)(self->of[a->cell] == self->of[b->cell] &&
+                     PetscAbsReal(ArcAt(self, a) - ArcAt(self, b)) <
+                         StrandOf(self, a->cell)->apart);
+}
+
+/* Is a place near a node, along its rod? */
+static PetscBool IsNear(const struct _Strands *self, const Spot *spot, PetscInt node) {
+  return (PetscBool)(self->of[spot->cell] == self->of[node] &&
+                     PetscAbsReal(ArcAt(self, spot) - self->arc[node]) <
+                         StrandOf(self, node)->apart);
+}
+
+/* Are two places near where their rods are joined? */
+static PetscBool AreJoined(const struct _Strands *self, const Spot *a, const Spot *b) {
+  for (PetscInt k = 0; k < self->joints; k++) {
+    const PetscInt *node = self->joint_at[k].node;
+    if ((IsNear(self, a, node[0]) && IsNear(self, b, node[1])) ||
+        (IsNear(self, a, node[1]) && IsNear(self, b, node[0])))
+      return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
 }
 
 /* A new pair. Of two feet of a sample on one side, in space of those that are near each other along
    the rod and so of one strand, the nearer counts. */
 static PetscErrorCode Keep(Strands self, const Pair *pair) {
   PetscInt *first = &self->first[self->sides * pair->sample + pair->side], next = *first;
-  const PetscReal at = ArcAt(self, &pair->foot);
 
   PetscFunctionBegin;
   for (PetscInt k = next; k >= 0; k = self->pair[k].next) {
     Pair *other = &self->pair[k];
-    if (self->dims == 3 && PetscAbsReal(ArcAt(self, &other->foot) - at) >= self->apart) continue;
+    if (self->dims == 3 && !SameStrand(self, &other->foot, &pair->foot)) continue;
     if (pair->distance < other->distance) {
       PetscInt after = other->next;
       *other = *pair;
@@ -212,48 +251,64 @@ static PetscErrorCode LookAt(Looking *look, PetscInt sample, PetscInt cell) {
 
   PetscFunctionBegin;
   if (!foot) PetscFunctionReturn(0);
-  pair = (Pair){.sample = sample, .at = *at};
+  pair = (Pair){.sample = sample, .contact = look->contact, .at = *at};
   pair.foot.cell = cell;
-  pair.foot.on.z = foot == 1 ? 0.5 : cell ? 1 : 0;
+  pair.foot.on.z = foot == 1 ? 0.5 : cell > StrandOf(self, cell)->first ? 1 : 0;
   FootFrom(self, pair.at.on.x, &pair.foot, &pair.ends);
   for (int d = 0; d < 3; d++) o[d] = pair.foot.on.x[d] - pair.at.on.x[d];
   pair.distance = Length(self, o);
   if (self->dims == 2) pair.side = at->on.slope[0] * o[1] - at->on.slope[1] * o[0] < 0;
-  if (pair.distance < look->reach) PetscCall(Keep(self, &pair));
+  if (pair.distance < look->within) PetscCall(Keep(self, &pair));
   PetscFunctionReturn(0);
 }
 
 /* The samples of one cell against another. */
 static PetscErrorCode LookFrom(Looking *look, PetscInt from, PetscInt to) {
-  const Strands self = look->self;
-  PetscInt end = (from + 1) * self->each + (from == self->cells - 1);
+  const Strand *rod = StrandOf(look->self, from);
+  const PetscInt along = from - rod->first, begin = rod->sample + along * rod->each,
+                 end = begin + rod->each + (along == rod->cells - 1);
 
   PetscFunctionBegin;
-  for (PetscInt k = from * self->each; k < end; k++) PetscCall(LookAt(look, k, to));
+  for (PetscInt k = begin; k < end; k++) PetscCall(LookAt(look, k, to));
   PetscFunctionReturn(0);
+}
+
+/* Within what distance two strands are looked at that touch by a law. */
+static PetscReal ReachOf(const Contact *contact) {
+  return (1 + rod_rule.pair_margin) * contact->diameter + contact->smooth;
 }
 
 static void Meet(PetscInt i, PetscInt j, void *ctx) {
   Looking *look = (Looking *)ctx;
-  if (look->error || look->self->arc[j] - look->self->arc[i + 1] < look->self->apart) return;
+  const Strands self = look->self;
+  const Strand *rod = StrandOf(self, i);
+
+  if (look->error || !IsCell(self, i) || !IsCell(self, j)) return;
+  if (self->of[i] != self->of[j])
+    look->error = StrandLawOf(self, self->of[i], self->of[j], &look->contact);
+  else
+    look->contact =
+        rod->contact->self && self->arc[j] - self->arc[i + 1] >= rod->apart ? rod->contact : NULL;
+  if (look->error || !look->contact) return;
+  look->within = ReachOf(look->contact);
   look->error = LookFrom(look, i, j);
   if (!look->error) look->error = LookFrom(look, j, i);
 }
 
 static PetscErrorCode Search(Strands self) {
-  Looking look = {.self = self,
-                  .reach =
-                      (1 + rod_rule.pair_margin) * self->contact->diameter + self->contact->smooth};
+  Looking look = {.self = self};
+  PetscReal reach = 0;
   Blocks line;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++)
     self->first[self->sides * self->pair[k].sample + self->pair[k].side] = -1;
   self->n = 0;
-  for (PetscInt i = 0; i <= self->cells; i++)
+  for (PetscInt i = 0; i < self->nodes; i++)
     for (int d = 0; d < 3; d++) self->seen[3 * i + d] = self->joint[i].x[d];
-  PetscCall(BlocksOfLine(self->dims, self->cells, 3, self->seen, NULL, &line));
-  BlocksPairs(line, look.reach, SameStrand, Meet, &look);
+  for (PetscInt r = 0; r < self->rods; r++) reach = PetscMax(reach, ReachOf(self->rod[r].contact));
+  PetscCall(BlocksOfLine(self->dims, self->nodes - 1, 3, self->seen, NULL, self->span, &line));
+  BlocksPairs(line, reach, OneStrand, Meet, &look);
   PetscCall(BlocksDestroy(&line));
   PetscCall(look.error);
   PetscFunctionReturn(0);
@@ -274,12 +329,14 @@ PetscErrorCode StrandsSearch(Strands self, const StrandState *state) {
 
 /* Has a node moved so far that there may be other pairs? */
 static PetscBool Moved(const struct _Strands *self) {
-  const PetscReal far = PetscSqr(rod_rule.pair_margin * self->contact->diameter / 2);
-
-  for (PetscInt i = 0; i <= self->cells; i++) {
-    PetscReal way[3];
-    Minus3(self->joint[i].x, self->seen + 3 * i, way);
-    if (!(Dot3(way, way) < far)) return PETSC_TRUE;
+  for (PetscInt r = 0; r < self->rods; r++) {
+    const Strand *rod = &self->rod[r];
+    const PetscReal far = PetscSqr(rod_rule.pair_margin * rod->contact->diameter / 2);
+    for (PetscInt i = rod->first; i <= rod->first + rod->cells; i++) {
+      PetscReal way[3];
+      Minus3(self->joint[i].x, self->seen + 3 * i, way);
+      if (!(Dot3(way, way) < far)) return PETSC_TRUE;
+    }
   }
   return PETSC_FALSE;
 }
@@ -295,58 +352,60 @@ static void PairPlace(const struct _Strands *self, Pair *pair) {
   for (int d = 0; d < 3; d++) o[d] = pair->at.on.x[d] - pair->foot.on.x[d];
   pair->distance = Length(self, o);
   for (int d = 0; d < 3; d++) pair->n[d] = o[d] / pair->distance;
-  pair->gap = pair->distance - self->contact->diameter;
-  pair->apart =
-      (PetscBool)(PetscAbsReal(ArcAt(self, &pair->at) - ArcAt(self, &pair->foot)) >= self->apart);
+  pair->gap = pair->distance - pair->contact->diameter;
+  pair->apart = (PetscBool) !(SameStrand(self, &pair->at, &pair->foot) ||
+                              AreJoined(self, &pair->at, &pair->foot));
   pair->active =
-      (PetscBool)(pair->gap < self->contact->smooth && pair->apart && pair->distance > 0);
+      (PetscBool)(pair->gap < pair->contact->smooth && pair->apart && pair->distance > 0);
 }
 
 /* What a density at the points, per label, is over the labels that a sample stands for. In the
    plane the tip has a part of the last cell, too. */
 static PetscReal Over(const struct _Strands *self, const PetscReal *at, const Pair *pair) {
   const PetscInt cell = pair->at.cell;
-  const PetscReal *s = self->scene->mesh.s;
+  const PetscReal *s = self->s;
 
   if (self->dims == 2) return at[pair->sample] * self->weight[pair->sample] / 2;
   if (SampleIsTip(self, pair->sample)) return 0;
-  return CurveBetween(at + 2 * cell, pair->at.on.z) * (s[cell + 1] - s[cell]) / (2 * self->each);
+  return CurveBetween(at + 2 * cell, pair->at.on.z) * (s[cell + 1] - s[cell]) /
+         (2 * StrandOf(self, cell)->each);
 }
 
 /* PairShares - the lengths of rod that a pair stands for: of the sample; of the tip's point
    contact, if it is that. */
 void PairShares(const struct _Strands *self, const Pair *pair, PetscReal share[2]) {
   share[0] = Over(self, self->g, pair);
-  share[1] = SampleIsTip(self, pair->sample) ? self->contact->tip : 0;
+  share[1] = SampleIsTip(self, pair->sample) ? StrandOf(self, pair->at.cell)->contact->tip : 0;
 }
 
 /* PairForce - on the sample, per length of rod that it stands for:  f = p (n - mu w). */
 void PairForce(const struct _Strands *self, const Pair *pair, PetscReal f[3]) {
-  for (int d = 0; d < 3; d++) f[d] = pair->p * (pair->n[d] - self->contact->friction * pair->w[d]);
+  for (int d = 0; d < 3; d++) f[d] = pair->p * (pair->n[d] - pair->contact->friction * pair->w[d]);
 }
 
 /* PairOnClamp - what pushes the beginning of a rod that is fed in back along it, the clamp's
    direction x1: the clamp bears that, for it is the clamp that is there, at rest, while the
    material moves on. */
 PetscBool PairOnClamp(const struct _Strands *self, const Pair *pair) {
-  return (PetscBool)(pair->ends && pair->foot.cell == 0 && pair->foot.on.z == 0 && self->c[0] != 0);
+  const PetscInt cell = pair->foot.cell;
+  return (PetscBool)(pair->ends && cell == StrandOf(self, cell)->first && pair->foot.on.z == 0 &&
+                     self->c[2 * cell] != 0);
 }
 
 /* PairSpread - who takes what acts on the foot, or else on the sample (but for the tip's own).
    Returns how many points that are. */
 int PairSpread(const struct _Strands *self, const Pair *pair, int of_foot, Spread *spread) {
   const Spot *spot = of_foot ? &pair->foot : &pair->at;
+  const PetscInt first = self->span[spot->cell];
 
   if (self->dims == 2 && !of_foot) {
     *spread = (Spread){.point = {pair->sample}, .share = {1}};
     return 1;
   }
-  if (self->dims == 2)
-    SpreadAt(self->points, spot->cell, spot->on.z, spread);
-  else if (!of_foot && SampleIsTip(self, pair->sample))
-    return 0;
-  else
-    SpreadEvenly(self->points, spot->cell, spot->on.z, spread);
+  if (self->dims == 3 && !of_foot && SampleIsTip(self, pair->sample)) return 0;
+  (self->dims == 2 ? SpreadAt : SpreadEvenly)(2 * (self->span_end[spot->cell] - first) + 1,
+                                              spot->cell - first, spot->on.z, spread);
+  for (int k = 0; k < 4; k++) spread->point[k] += 2 * first;
   return 4;
 }
 
@@ -365,22 +424,32 @@ static void HandTo(const struct _Strands *self, const Pair *pair, int of_foot, P
 /* What is on the sample, and what is on the foot. */
 static void HandBoth(const struct _Strands *self, const Pair *pair, const PetscReal on_sample[3],
                      const PetscReal on_foot[3], PetscReal (*load)[3]) {
+  const Strand *rod = StrandOf(self, pair->at.cell);
   PetscReal share[2];
 
   PairShares(self, pair, share);
   HandTo(self, pair, 0, share[0], on_sample, load);
-  for (int d = 0; d < 3 && share[1] > 0; d++) load[self->points][d] += share[1] * on_sample[d];
+  for (int d = 0; d < 3 && share[1] > 0; d++) load[TipPoint(rod)][d] += share[1] * on_sample[d];
   HandTo(self, pair, 1, share[0] + share[1], on_foot, load);
 }
 
-static void HandOut(Strands self, const Pair *pair, const PetscReal f[3]) {
-  const PetscReal borne = PairOnClamp(self, pair) ? pair->p * pair->n[0] : 0;
+/* The force of a pair, of which the clamp may bear a part. The power that the rod of the foot has
+   from it is that of the sample's, which has the energy of the pair, and loses by it. */
+static void HandOut(Strands self, const Pair *pair, const PetscReal f[3], PetscBool moves) {
+  Strand *of_foot = &self->rod[self->of[pair->foot.cell]];
+  const PetscReal *axis = of_foot->axis,
+                  borne = PairOnClamp(self, pair) ? pair->p * Dot3(pair->n, axis) : 0;
   PetscReal share[2], on_foot[3];
 
-  for (int d = 0; d < 3; d++) on_foot[d] = (d ? 0 : borne) - f[d];
+  for (int d = 0; d < 3; d++) on_foot[d] = borne * axis[d] - f[d];
   PairShares(self, pair, share);
-  self->sum.clamp[0] -= (share[0] + share[1]) * borne;
+  for (int d = 0; d < 3; d++) of_foot->sum.clamp[d] -= (share[0] + share[1]) * borne * axis[d];
   HandBoth(self, pair, f, on_foot, self->force);
+  if (self->meet && moves) {
+    const PetscReal power = (share[0] + share[1]) * PairFootPower(self, pair, f, on_foot);
+    of_foot->sum.moved += power;
+    self->rod[self->of[pair->at.cell]].sum.moved -= power;
+  }
 }
 
 /* The couples a.f t of friction on both strands. */
@@ -395,47 +464,78 @@ static void HandCouples(const struct _Strands *self, const Pair *pair, const Pet
 }
 
 static void AddToSum(Strands self, const Pair *pair) {
-  const PetscReal U = ContactEnergy(self->contact, pair->gap),
-                  U_t = ContactEnergyRate(self->contact, pair->gap);
-  StrandSum *sum = &self->sum;
+  Strand *rod = &self->rod[self->of[pair->at.cell]];
+  const PetscReal U = ContactEnergy(pair->contact, pair->gap),
+                  U_t = ContactEnergyRate(pair->contact, pair->gap);
+  StrandSum *sum = &rod->sum;
   PetscReal share[2], all;
 
   PairShares(self, pair, share);
   all = share[0] + share[1];
   sum->energy += all * U;
   sum->strain += Over(self, self->strain, pair) * U + share[0] * U_t +
-                 (share[1] > 0 ? self->contact->tip_t * U + share[1] * U_t : 0);
-  if (!pair->sample) sum->strain += self->c[0] / 2 * U; /* what is fed in comes with it */
+                 (share[1] > 0 ? rod->contact->tip_t * U + share[1] * U_t : 0);
+  if (pair->sample == rod->sample)
+    sum->strain += self->c[2 * rod->first] / 2 * U; /* what is fed in comes with it */
   sum->normal += all * pair->p;
-  sum->loss += all * self->contact->friction * pair->p * pair->rubs;
+  sum->loss += all * pair->contact->friction * pair->p * pair->rubs;
 }
 
 static void Nearest(Strands self, const Pair *pair) {
-  const PetscReal *s = self->scene->mesh.s;
+  const PetscReal *s = self->s;
   const Spot *spot[2] = {&pair->at, &pair->foot};
+  StrandSum *sum = &self->rod[self->of[pair->at.cell]].sum;
 
-  if (!pair->apart || pair->gap >= self->sum.nearest) return;
-  self->sum.nearest = pair->gap;
+  if (!pair->apart || pair->gap >= sum->nearest) return;
+  sum->nearest = pair->gap;
+  sum->rod = self->of[pair->foot.cell];
   for (int k = 0; k < 2; k++)
-    self->sum.at[k] = s[spot[k]->cell] + spot[k]->on.z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
-  for (int d = 0; d < 3; d++) self->sum.x[d] = (pair->at.on.x[d] + pair->foot.on.x[d]) / 2;
+    sum->at[k] = s[spot[k]->cell] + spot[k]->on.z * (s[spot[k]->cell + 1] - s[spot[k]->cell]);
+  for (int d = 0; d < 3; d++) sum->x[d] = (pair->at.on.x[d] + pair->foot.on.x[d]) / 2;
 }
 
-/* How many zones of contact there are: samples, one after the other, that touch on a side what lies
-   farther along the rod. */
-static PetscInt Zones(const struct _Strands *self) {
-  PetscInt zones = 0, before[2] = {-2, -2};
+/* How many zones of contact a rod has: samples, one after the other, that touch on a side what lies
+   farther along it, or along a later rod. */
+static void Zones(Strands self) {
+  for (PetscInt r = 0; r < self->rods; r++) {
+    const PetscInt sample = self->rod[r].sample,
+                   end = r + 1 < self->rods ? self->rod[r + 1].sample : self->samples;
+    PetscInt before[2] = {-2, -2};
+    for (PetscInt head = self->sides * sample; head < self->sides * end; head++)
+      for (PetscInt k = self->first[head]; k >= 0; k = self->pair[k].next) {
+        const Pair *pair = &self->pair[k];
+        if (!pair->active || !ContactBears(pair->contact, pair->gap) ||
+            pair->foot.cell < pair->at.cell)
+          continue;
+        self->rod[r].sum.zones += before[pair->side] < pair->sample - 1;
+        before[pair->side] = pair->sample;
+      }
+  }
+}
 
-  for (PetscInt head = 0; head < self->sides * self->samples; head++)
-    for (PetscInt k = self->first[head]; k >= 0; k = self->pair[k].next) {
-      const Pair *pair = &self->pair[k];
-      if (!pair->active || !ContactBears(self->contact, pair->gap) ||
-          pair->foot.cell < pair->at.cell)
-        continue;
-      zones += before[pair->side] < pair->sample - 1;
-      before[pair->side] = pair->sample;
+/* The sum of all forces on each rod, in the frame that its loads are in. */
+static void AddUp(Strands self) {
+  for (PetscInt r = 0; r < self->rods; r++) {
+    Strand *rod = &self->rod[r];
+    for (int d = 0; d < 3; d++) {
+      rod->sum.sum[d] = rod->sum.clamp[d] + self->force[TipPoint(rod)][d];
+      for (PetscInt k = 2 * rod->first; k < TipPoint(rod); k++)
+        rod->sum.sum[d] -= self->force[k][d] * self->weight[k];
     }
-  return zones;
+  }
+}
+
+/* Of several rods what is done to each is told in its own frame, but for places and the sum of
+   forces. */
+static void TellEach(Strands self) {
+  if (!self->meet) return;
+  StrandsToOwn(self, self->force);
+  if (self->couple) StrandsToOwn(self, self->couple);
+  for (PetscInt r = 0; r < self->rods; r++) {
+    StrandSum *sum = &self->rod[r].sum;
+    const PetscReal lab[3] = {sum->clamp[0], sum->clamp[1], sum->clamp[2]};
+    SpaceFromLab(&self->rod[r].scene->space, lab, sum->clamp);
+  }
 }
 
 /*
@@ -443,7 +543,6 @@ static PetscInt Zones(const struct _Strands *self) {
   far since the last. Not collective: the same on every rank.
 */
 PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
-  const PetscBool rubs = (PetscBool)(self->contact->friction > 0 && state->u_t);
   PetscReal f[3];
 
   PetscFunctionBegin;
@@ -451,33 +550,31 @@ PetscErrorCode StrandsLoad(Strands self, const StrandState *state) {
   if (!self->searched) StrandJoints(self, state, NULL);
   if (!self->searched && Moved(self)) PetscCall(Search(self));
   self->searched = PETSC_FALSE;
-  PetscCall(PetscArrayzero(self->force, self->points + 1));
-  if (self->couple) PetscCall(PetscArrayzero(self->couple, self->points + 1));
-  PetscCall(PetscMemzero(&self->sum, sizeof(self->sum)));
-  self->sum.nearest = PETSC_MAX_REAL;
+  PetscCall(PetscArrayzero(self->force, 2 * self->nodes));
+  if (self->couple) PetscCall(PetscArrayzero(self->couple, 2 * self->nodes));
+  for (PetscInt r = 0; r < self->rods; r++)
+    self->rod[r].sum = (StrandSum){.nearest = PETSC_MAX_REAL};
   for (PetscInt k = 0; k < self->n; k++) {
     Pair *pair = &self->pair[k];
+    const PetscBool rubs = (PetscBool)(pair->contact->friction > 0 && state->u_t);
     PairPlace(self, pair);
     Nearest(self, pair);
     if (!pair->active) continue;
-    pair->p = ContactPressure(self->contact, pair->gap, &pair->p_gap);
+    pair->p = ContactPressure(pair->contact, pair->gap, &pair->p_gap);
     if (rubs) PairRub(self, pair);
     PairForce(self, pair, f);
-    HandOut(self, pair, f);
+    HandOut(self, pair, f, (PetscBool)(state->u_t != NULL));
     if (rubs && self->couple) HandCouples(self, pair, f);
     AddToSum(self, pair);
   }
-  self->sum.zones = Zones(self);
-  for (int d = 0; d < 3; d++) {
-    self->sum.sum[d] = self->sum.clamp[d] + self->force[self->points][d];
-    for (PetscInt k = 0; k < self->points; k++)
-      self->sum.sum[d] -= self->force[k][d] * self->weight[k];
-  }
+  Zones(self);
+  AddUp(self);
+  TellEach(self);
   PetscFunctionReturn(0);
 }
 
 /* StrandsForces - what StrandsLoad() has found: what contact adds to n' at each point (2 cells + 1
-   of them), and behind them the force on the tip. Borrowed. */
+   of a rod), and behind them the force on the tip. Borrowed. */
 const PetscReal (*StrandsForces(Strands self))[3] {
   return (const PetscReal(*)[3])self->force;
 }
@@ -488,9 +585,19 @@ const PetscReal (*StrandsCouples(Strands self))[3] {
   return (const PetscReal(*)[3])self->couple;
 }
 
-/* StrandsSum - the sums over all places in contact that StrandsLoad() has found. */
-void StrandsSum(Strands self, StrandSum *sum) {
-  *sum = self->sum;
+/* StrandsSum - the sums over all places in contact of a rod that StrandsLoad() has found. */
+void StrandsSum(Strands self, PetscInt rod, StrandSum *sum) {
+  *sum = self->rod[rod].sum;
+}
+
+/* StrandsRod - the rod of a node of all. */
+PetscInt StrandsRod(Strands self, PetscInt node) {
+  return self->of[node];
+}
+
+/* StrandsFirst - the first node of a rod among those of all. */
+PetscInt StrandsFirst(Strands self, PetscInt rod) {
+  return self->rod[rod].first;
 }
 
 /* StrandsNear - the cells of all pairs that are near to touching: of the sample, of the foot, each
@@ -503,7 +610,7 @@ PetscErrorCode StrandsNear(Strands self, PetscInt *n, PetscInt (**cells)[2]) {
   for (PetscInt k = 0; k < self->n; k++) {
     const PetscInt a = self->pair[k].at.cell, b = self->pair[k].foot.cell;
     PetscInt seen = m - 1;
-    while (seen >= 0 && m - seen <= 2 * self->each &&
+    while (seen >= 0 && m - seen <= 2 * StrandOf(self, a)->each &&
            ((*cells)[seen][0] != a || (*cells)[seen][1] != b))
       seen--;
     if (seen >= 0 && (*cells)[seen][0] == a && (*cells)[seen][1] == b) continue;
@@ -526,6 +633,8 @@ static PetscErrorCode SamplesOf(Scene scene, PetscInt *each) {
   PetscCall(GrowthArc(scene->growth, cells + 1, scene->mesh.s, scene->end_time, arc, NULL));
   for (PetscInt i = 0; i < cells; i++) longest = PetscMax(longest, arc[i + 1] - arc[i]);
   PetscCall(PetscFree(arc));
+  *each = 1;
+  if (scene->contact.diameter <= 0) PetscFunctionReturn(0);
   *each = 1 + (PetscInt)PetscMin(MOST_SAMPLES - 1,
                                  longest / (rod_rule.sample_distance * scene->contact.diameter));
   PetscFunctionReturn(0);
@@ -533,45 +642,128 @@ static PetscErrorCode SamplesOf(Scene scene, PetscInt *each) {
 
 /* Where samples are, and what is kept of them. */
 static PetscErrorCode Sample(Strands self) {
-  const PetscBool plane = (PetscBool)(self->dims == 2), rubs = self->contact->friction > 0;
+  const PetscBool plane = (PetscBool)(self->dims == 2);
+  const PetscReal ahead =
+      plane ? 0 : 0.5; /* the first of a cell, in parts of the way to the next */
 
   PetscFunctionBegin;
   self->sides = plane ? 2 : 1;
-  self->ahead = plane ? 0 : 0.5;
-  self->each = 2;
-  if (!plane) PetscCall(SamplesOf(self->scene, &self->each));
-  self->samples = self->cells * self->each + 1;
+  for (PetscInt r = 0; r < self->rods; r++) {
+    Strand *rod = &self->rod[r];
+    rod->each = 2;
+    if (!plane) PetscCall(SamplesOf(rod->scene, &rod->each));
+    rod->sample = self->samples;
+    self->samples += rod->cells * rod->each + 1;
+  }
   PetscCall(PetscMalloc1(self->sides * self->samples, &self->first));
   for (PetscInt k = 0; k < self->sides * self->samples; k++) self->first[k] = -1;
   PetscCall(PetscCalloc2(self->samples, &self->spot, self->samples, &self->placed));
-  if (rubs && plane) PetscCall(PetscCalloc1(self->sides * self->samples, &self->dual));
-  if (rubs && !plane) PetscCall(PetscCalloc1(self->points + 1, &self->couple));
+  for (PetscInt r = 0; r < self->rods; r++) {
+    const Strand *rod = &self->rod[r];
+    Spot *spot = &self->spot[rod->sample];
+    for (PetscInt k = 0; k < rod->cells * rod->each; k++, spot++)
+      *spot = (Spot){.cell = rod->first + k / rod->each,
+                     .on = {.z = (k % rod->each + ahead) / rod->each}};
+    *spot = (Spot){.cell = rod->first + rod->cells - 1, .on = {.z = 1}};
+  }
+  if (self->rubs && plane) PetscCall(PetscCalloc1(self->sides * self->samples, &self->dual));
+  if (self->rubs && !plane) PetscCall(PetscCalloc1(2 * self->nodes, &self->couple));
+  PetscFunctionReturn(0);
+}
+
+/* The rods, and their nodes one behind the other. */
+static PetscErrorCode Gather(Strands self, const Scene scene[]) {
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(self->rods, &self->rod));
+  for (PetscInt r = 0; r < self->rods; r++) {
+    self->rod[r] = (Strand){.scene = scene[r],
+                            .contact = &scene[r]->contact,
+                            .first = self->nodes,
+                            .cells = scene[r]->mesh.cells,
+                            .axis = {1, 0, 0},
+                            .apart = PETSC_PI / 2 * scene[r]->contact.diameter};
+    self->nodes += scene[r]->mesh.cells + 1;
+  }
+  PetscCall(PetscMalloc4(self->nodes, &self->of, self->nodes, &self->s, self->nodes, &self->span,
+                         self->nodes, &self->span_end));
+  PetscCall(PetscCalloc1(2 * self->nodes, &self->weight));
+  for (PetscInt r = 0; r < self->rods; r++) {
+    const Strand *rod = &self->rod[r];
+    for (PetscInt i = 0; i <= rod->cells; i++) {
+      const PetscInt node = rod->first + i;
+      self->of[node] = r;
+      self->s[node] = scene[r]->mesh.s[i];
+      self->span[node] = i && self->s[node] > self->s[node - 1] ? self->span[node - 1] : node;
+    }
+    for (PetscInt i = rod->cells; i >= 0; i--) {
+      const PetscInt node = rod->first + i;
+      self->span_end[node] = i < rod->cells && self->span[node + 1] == self->span[node]
+                                 ? self->span_end[node + 1]
+                                 : node;
+    }
+    CurveWeights(rod->cells, scene[r]->mesh.s, self->weight + 2 * rod->first);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Room for them, of which rods and dimension are known. */
+static PetscErrorCode MakeRoom(Strands self, const Scene scene[]) {
+  PetscInt n;
+
+  PetscFunctionBegin;
+  self->time = PETSC_MIN_REAL;
+  PetscCall(Gather(self, scene));
+  n = 2 * self->nodes;
+  PetscCall(PetscCalloc5(n, &self->g, n, &self->g_t, n, &self->c, n, &self->strain, self->nodes,
+                         &self->arc));
+  PetscCall(PetscCalloc3(3 * self->nodes, &self->seen, n, &self->force, self->nodes, &self->joint));
+  PetscCall(Sample(self));
+  for (PetscInt k = 0; k < 3 * self->nodes; k++) self->seen[k] = PETSC_MAX_REAL;
   PetscFunctionReturn(0);
 }
 
 /* StrandsCreate - for a rod of a scene that has -contact_self, which must outlive it. Not
    collective; the caller destroys it with StrandsDestroy(). */
 PetscErrorCode StrandsCreate(Scene scene, Strands *strands) {
-  const PetscInt cells = scene->mesh.cells, n = 2 * cells + 1;
+  PetscFunctionBegin;
+  PetscCall(PetscNew(strands));
+  (*strands)->rods = 1;
+  (*strands)->dims = scene->space.rod ? 3 : 2;
+  (*strands)->rubs = (PetscBool)(scene->contact.friction > 0);
+  PetscCall(MakeRoom(*strands, &scene));
+  PetscFunctionReturn(0);
+}
+
+/* StrandsCreateSeveral - for several rods in space, whose scenes must outlive it. meet, with ctx:
+   how two of them do, the first before the second; asked of once. */
+PetscErrorCode StrandsCreateSeveral(PetscInt n, const Scene scene[], StrandsMeet meet, void *ctx,
+                                    Strands *strands) {
+  const PetscReal along[3] = {1, 0, 0};
   Strands self;
 
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   *strands = self;
-  self->scene = scene;
-  self->contact = &scene->contact;
-  self->dims = scene->space.rod ? 3 : 2;
-  self->cells = cells;
-  self->points = n;
-  self->apart = PETSC_PI / 2 * scene->contact.diameter;
-  self->time = PETSC_MIN_REAL;
-  PetscCall(PetscCalloc6(n, &self->g, n, &self->g_t, n, &self->c, n, &self->strain, cells + 1,
-                         &self->arc, n, &self->weight));
-  PetscCall(
-      PetscCalloc3(3 * (cells + 1), &self->seen, n + 1, &self->force, cells + 1, &self->joint));
-  PetscCall(Sample(self));
-  for (PetscInt k = 0; k < 3 * (cells + 1); k++) self->seen[k] = PETSC_MAX_REAL;
-  CurveWeights(cells, scene->mesh.s, self->weight);
+  self->rods = n;
+  self->dims = 3;
+  self->rubs = PETSC_TRUE;
+  self->meet = meet;
+  self->ctx = ctx;
+  PetscCall(PetscMalloc1(n, &self->met));
+  for (PetscInt r = 0; r < n; r++) self->met[r] = -1;
+  PetscCall(MakeRoom(self, scene));
+  for (PetscInt r = 0; r < n; r++) SceneToLab(scene[r], along, self->rod[r].axis);
+  PetscFunctionReturn(0);
+}
+
+/* StrandsJoin - two rods are joined, at node a of the one and node b of the other, counted along
+   these: strands near that, of both, do not touch. */
+PetscErrorCode StrandsJoin(Strands self, const PetscInt rod[2], const PetscInt node[2]) {
+  PetscFunctionBegin;
+  PetscCall(PetscRealloc((size_t)(self->joints + 1) * sizeof(StrandJoint), &self->joint_at));
+  for (int k = 0; k < 2; k++)
+    self->joint_at[self->joints].node[k] = self->rod[rod[k]].first + node[k];
+  self->joints++;
   PetscFunctionReturn(0);
 }
 
@@ -580,14 +772,21 @@ PetscErrorCode StrandsDestroy(Strands *strands) {
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
-  PetscCall(PetscFree6(self->g, self->g_t, self->c, self->strain, self->arc, self->weight));
+  PetscCall(PetscFree5(self->g, self->g_t, self->c, self->strain, self->arc));
   PetscCall(PetscFree3(self->seen, self->force, self->joint));
   PetscCall(PetscFree2(self->spot, self->placed));
+  PetscCall(PetscFree4(self->of, self->s, self->span, self->span_end));
+  PetscCall(PetscFree(self->joint_at));
+  PetscCall(PetscFree(self->weight));
   PetscCall(PetscFree(self->first));
   PetscCall(PetscFree(self->dual));
   PetscCall(PetscFree(self->couple));
   PetscCall(PetscFree(self->pair));
   PetscCall(PetscFree(self->slopes));
+  for (PetscInt k = 0; k < self->meetings; k++) PetscCall(PetscFree(self->meeting[k]));
+  PetscCall(PetscFree(self->meeting));
+  PetscCall(PetscFree(self->met));
+  PetscCall(PetscFree(self->rod));
   PetscCall(PetscFree(*strands));
   PetscFunctionReturn(0);
 }

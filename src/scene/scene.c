@@ -291,9 +291,10 @@ static PetscErrorCode CheckClamp(Scene scene, PetscBool carried) {
   Collective on OptionsComm(), the ranks that are to share the scene; the caller destroys it with
   SceneDestroy(), also after an error.
 
-  seat  where another rod carries it; NULL: none does
+  seat   where another rod carries it; NULL: none does
+  touch  it is one of several rods that may touch each other
 */
-PetscErrorCode SceneCreateOn(const Seat *seat, Scene *scene) {
+PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene) {
   PetscInt cells, grading;
   char text[2][64];
   Scene self;
@@ -325,7 +326,7 @@ PetscErrorCode SceneCreateOn(const Seat *seat, Scene *scene) {
   PetscCall(TropismSetFromOptions(&self->tropism, self->growth));
   if (self->growth->yield > 0) self->tropism.any = PETSC_TRUE; /* its material may learn */
   PetscCall(MeshCreate(cells, (PetscBool)grading, self->growth, self->end_time, &self->mesh));
-  PetscCall(ContactSetFromOptions(&self->contact, &self->load.friction, self->clamp_angle));
+  PetscCall(ContactSetFromOptions(&self->contact, touch, &self->load.friction, self->clamp_angle));
   self->contact.time = PETSC_MIN_REAL;
   SceneLinkWalls(self);
   PetscCall(
@@ -347,10 +348,22 @@ PetscErrorCode SceneCreateOn(const Seat *seat, Scene *scene) {
   PetscFunctionReturn(0);
 }
 
-/* SceneCreate - of a rod that no other carries: SceneCreateOn(). Collective. */
+/* SceneCreate - of a rod alone: SceneCreateOn(). What it is beside others is what the scales are
+   of. Collective. */
 PetscErrorCode SceneCreate(Scene *scene) {
+  static const char *const beside[] = {"-rod_stiffness", "-friction_strength", "-growth_speed",
+                                       "-clamp_on", "-tip_on"};
+  PetscBool given;
+
   PetscFunctionBegin;
-  PetscCall(SceneCreateOn(NULL, scene));
+  *scene = NULL;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(beside); k++) {
+    PetscCall(OptionGiven(beside[k], &given));
+    UserCheck(!given, OptionsComm(),
+              "%s: is of one of several rods; take it out, or write sections [rod NAME]",
+              beside[k]);
+  }
+  PetscCall(SceneCreateOn(NULL, PETSC_FALSE, scene));
   PetscFunctionReturn(0);
 }
 

@@ -83,7 +83,7 @@ struct _Scene {
 extern const OptionGroup scene_options;
 
 PetscErrorCode SceneCreate(Scene *scene);
-PetscErrorCode SceneCreateOn(const Seat *seat, Scene *scene);
+PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene);
 PetscErrorCode SceneDestroy(Scene *scene);
 PetscErrorCode SceneShare(Scene scene, Scene *shared);
 PetscErrorCode SceneShareEnd(Scene *shared);
@@ -147,7 +147,7 @@ static inline PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal 
    NULL). */
 static inline PetscErrorCode SceneStiffness(Scene scene, PetscReal s, PetscReal t, PetscReal *B,
                                             PetscReal *B_t) {
-  *B = 1;
+  *B = scene->stiffness.all;
   if (B_t) *B_t = 0;
   return scene->stiffness.varies ? StiffnessTable(&scene->stiffness, scene->growth, s, t, B, B_t)
                                  : (PetscErrorCode)0;

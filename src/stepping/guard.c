@@ -64,7 +64,7 @@ static PetscErrorCode PassesItself(Rod rod, PetscReal t0, PetscReal t1, Vec U0, 
   *passes = PETSC_FALSE;
   PetscCall(NodesOnZero(rod, t0, U0, &from));
   PetscCall(NodesOnZero(rod, t1, U1, &to));
-  if (from) PetscCall(RodPassesItself(rod->last + 1, from, to, passes));
+  if (from) PetscCall(RodPassesItself(rod->last + 1, NULL, from, to, passes));
   PetscCall(PetscFree(from));
   PetscCall(PetscFree(to));
   PetscFunctionReturn(0);
@@ -113,13 +113,52 @@ static PetscErrorCode Passes(TS ts, Leg *leg, PetscInt which, PetscReal t0, Pets
     PetscCall(RodPassesWalls(rod, t0, t1, U0, U1, passes));
     if (!*passes) PetscCall(Grazes(ts, leg, which, t0, t1, U0, U1, passes));
   }
-  if (RodMeetsItself(rod) && !*passes) {
+  if (RodMeetsStrands(rod) && !leg->rod->at && !*passes) {
     if (rod->model->space)
       PetscCall(PassesItself(rod, t0, t1, U0, U1, passes));
     else
       PetscCall(CrossesItself(rod, t1, U1, passes));
     PetscCallMPI(MPI_Bcast(passes, 1, MPIU_BOOL, 0, rod->comm));
   }
+  PetscFunctionReturn(0);
+}
+
+/* The nodes of all of several rods in a state, in the laboratory's frame. */
+static PetscErrorCode NodesOfAll(Leg *leg, PetscReal t, Vec U, Node *nodes) {
+  const Rod all = leg->rod;
+  Vec part;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < all->rods; k++) {
+    const Rod rod = all->each[k];
+    Node *first = nodes + all->at[k];
+    PetscCall(RodPartOpenRead(all, k, U, &part));
+    PetscCall(rod->model->get(rod, t, part, NULL, first));
+    PetscCall(RodPartCloseRead(all, k, U, &part));
+    for (Node *node = first; node <= first + rod->last; node++) {
+      const PetscReal x[3] = {node->x[0], node->x[1], node->x[2]};
+      ScenePlaceToLab(rod->scene, x, node->x);
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Has any of several rods passed through itself or another one? */
+static PetscErrorCode PassEachOther(Leg *leg, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
+                                    PetscBool *pass) {
+  const Rod all = leg->rod;
+  const PetscInt n = all->last + 1;
+  Node *from, *to;
+  PetscInt *of;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc3(n, &of, n, &from, n, &to));
+  for (PetscInt k = 0; k < all->rods; k++)
+    for (PetscInt i = all->at[k]; i < all->at[k + 1]; i++) of[i] = k;
+  PetscCall(NodesOfAll(leg, t0, U0, from));
+  PetscCall(NodesOfAll(leg, t1, U1, to));
+  PetscCall(RodPassesItself(n, of, from, to, pass));
+  PetscCall(PetscFree3(of, from, to));
   PetscFunctionReturn(0);
 }
 
@@ -141,6 +180,8 @@ PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Pe
     PetscCall(RodPartCloseRead(leg->rod, k, U1, &part[1]));
     PetscCall(RodPartCloseRead(leg->rod, k, U0, &part[0]));
   }
+  if (!*passes && leg->rod->at && RodMeetsStrands(leg->rod))
+    PetscCall(PassEachOther(leg, t0, t1, U0, U1, passes));
   leg->passes = *passes;
   PetscFunctionReturn(0);
 }

@@ -142,7 +142,7 @@ static PetscReal SpeedSeen(const Newton *self, PetscReal step, const PetscReal s
   if (!RodTouches(self->rod)) return 0;
   for (PetscInt f = 0; f < self->rod->model->fields; f++)
     if (self->rod->model->followed[f] && size[f] > 0) least = PetscMin(least, size[f]);
-  return self->tolerance * least / step;
+  return self->given * least / step;
 }
 
 /* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
@@ -157,7 +157,7 @@ static PetscErrorCode Hold(Newton *self, SNES snes, Vec U, Vec F, SNESConvergedR
   PetscCall(RodFieldSizes(self->rod, U, size));
   PetscCall(self->rod->model->hold(self->rod, &self->latest, SpeedSeen(self, step, size), &creep));
   PetscCall(PetscInfo(snes, "held points creep at %g\n", (double)creep));
-  if (creep * step > step_rule.stick_slips * self->tolerance * size[0] &&
+  if (creep * step > step_rule.stick_slips * self->given * size[0] &&
       self->holds < step_rule.stick_updates) {
     self->holds++;
     *reason = SNES_CONVERGED_ITERATING;
@@ -303,13 +303,20 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
   PetscFunctionReturn(0);
 }
 
-/* What is below round-off of the whole of a vector is not asked for either (rod/sizes.c). */
-static void SetTolerance(Newton *newton, PetscReal tolerance) {
+/* NewtonFollow - updates go to a part of the tolerance that the next step has. */
+void NewtonFollow(Newton *newton, PetscReal rtol) {
+  newton->tolerance = step_rule.newton_share * rtol;
+}
+
+/* The tolerance as given. What is below round-off of the whole of a vector is not asked for either
+   (rod/sizes.c). */
+static void SetTolerance(Newton *newton, PetscReal rtol) {
   const Rod rod = newton->rod;
 
-  newton->tolerance = tolerance;
+  NewtonFollow(newton, rtol);
+  newton->given = newton->tolerance;
   for (PetscInt k = 0; k < rod->rods; k++)
-    rod->each[k]->finest = step_rule.update_round_off / tolerance;
+    rod->each[k]->finest = step_rule.update_round_off / newton->given;
 }
 
 /*
@@ -327,7 +334,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->ts = ts;
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
-  SetTolerance(newton, step_rule.newton_share * rtol);
+  SetTolerance(newton, rtol);
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));

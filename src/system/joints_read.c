@@ -156,7 +156,7 @@ PetscErrorCode JointsDestroy(Joints *joints) {
 }
 
 PetscInt JointsCount(Joints self) {
-  return self->n;
+  return self ? self->n : 0;
 }
 
 const Joint *JointsGet(Joints self, PetscInt j) {

@@ -1,6 +1,7 @@
 #include "system/model.h"
 #include "rod/ask.h"
 #include "rod/rules.h"
+#include "rod/strand_rows.h"
 #include <petsc/private/petscimpl.h> /* PetscObjectStateSet() */
 
 /* The parts of a state that are one rod's. They are the same vectors in each state, and count as
@@ -14,10 +15,28 @@ typedef struct {
   PetscInt *at;
   Part *part;
   Joints joints;            /* borrowed */
+  StrandRows rows;          /* of those that touch; NULL: none can */
   Mat window;               /* the part of a matrix that is one rod's: see Window */
   RodSeen seen;             /* the latest state, */
   PetscObjectState changes; /* the how manieth that is */
 } System;
+
+/* ---- strands ---- */
+
+/* What strands do to each rod in a state, or that of none. */
+static PetscErrorCode PushEach(Rod rod, const RodState *at) {
+  const System *self = (const System *)rod->data;
+  const PetscReal(*force)[3], (*couple)[3];
+
+  PetscFunctionBegin;
+  if (!self->rows) PetscFunctionReturn(0);
+  PetscCall(StrandRowsLoad(rod, self->rows, at, &force, &couple));
+  for (PetscInt k = 0; k < rod->rods; k++)
+    rod->each[k]->pushed = (RodPushed){.force = force + 2 * self->at[k],
+                                       .couple = couple + 2 * self->at[k],
+                                       .cells = StrandRowsCell(rod, self->rows, self->at[k])};
+  PetscFunctionReturn(0);
+}
 
 /* ---- states ---- */
 
@@ -30,6 +49,7 @@ static PetscErrorCode Enter(Rod rod, const RodState *at, Vec F) {
   PetscScalar *f = NULL;
 
   PetscFunctionBegin;
+  PetscCall(PushEach(rod, at));
   PetscCall(RodRecognise(at, &self->seen, &known));
   if (!known) self->changes++;
   PetscCall(VecGetArrayRead(at->U, &u));
@@ -147,8 +167,11 @@ static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
 
   PetscFunctionBegin;
   PetscCall(MatShellGetContext(self->window, &window));
-  PetscCall(MatZeroEntries(J));
   PetscCall(Enter(rod, at, NULL));
+  if (self->rows)
+    PetscCall(StrandRowsPattern(rod, self->rows, at->fresh, J));
+  else
+    PetscCall(MatZeroEntries(J));
   window->whole = J;
   for (PetscInt k = 0; k < rod->rods; k++) {
     const RodState own = StateOf(rod, k, at);
@@ -158,6 +181,7 @@ static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
   PetscCall(Leave(rod, NULL));
   PetscCall(MatAssemblyBegin(J, MAT_FLUSH_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FLUSH_ASSEMBLY));
+  if (self->rows) PetscCall(StrandRowsJacobian(rod, self->rows, at, J));
   PetscCall(JointsJacobian(self->joints, rod, at->t, at->U, J));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
@@ -237,6 +261,7 @@ static PetscErrorCode Destroy(Rod rod) {
     PetscCall(VecDestroy(&self->part[k].F));
     PetscCall(RodDestroy(&rod->each[k]));
   }
+  PetscCall(StrandRowsDestroy(&self->rows));
   PetscCall(SceneShareEnd(&rod->scene));
   PetscCall(MatDestroy(&self->window));
   PetscCall(PetscFree(self->at));
@@ -320,10 +345,11 @@ static PetscErrorCode MakeParts(Rod rod) {
   SystemCreate - n rods of one model, which go together, on this rank. They are its own from now on;
   the caller destroys it with RodDestroy(), before their scenes.
 
-  each    with their units
-  joints  of them; must outlive it
+  each     with their units
+  joints   of them; must outlive it, as
+  strands  of those that may touch; NULL: none can
 */
-PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Rod *rod) {
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands strands, Rod *rod) {
   System *system;
   Rod self;
 
@@ -341,7 +367,7 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Rod *rod) {
   system->joints = joints;
   for (PetscInt k = 0; k < n; k++)
     if (each[k]->scene->clamp != CLAMP_HELD || each[k]->coupled) self->coupled = PETSC_TRUE;
-  if (JointsCount(joints) > 0) self->coupled = PETSC_TRUE;
+  if (JointsCount(joints) > 0 || strands) self->coupled = PETSC_TRUE;
   PetscCall(PetscMalloc1(n, &self->each));
   PetscCall(PetscArraycpy(self->each, each, n));
   PetscCall(SceneShare(each[0]->scene, &self->scene));
@@ -351,6 +377,7 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Rod *rod) {
   self->end = system->at[n];
   self->last = self->end - 1;
   PetscCall(OpenWindow(self->end, self->model->fields, &system->window));
+  if (strands) PetscCall(StrandRowsCreate(self, strands, &system->rows));
   for (int k = 0; k < 2; k++) self->kept[k].t = PETSC_MIN_REAL;
   PetscCall(DMDACreate1d(PETSC_COMM_SELF, DM_BOUNDARY_NONE, self->end, self->model->fields, 1, NULL,
                          &self->da));

@@ -5,6 +5,6 @@
 
 #include "system/joints.h"
 
-PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Rod *rod);
+PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands strands, Rod *rod);
 
 #endif

@@ -7,6 +7,8 @@
     the rod's own section [rod NAME];
     -NAME_option, on the command line or before the first section.
 
+  How rods touch that are named in [pair NAME NAME] is told there likewise.
+
   It is a database of options of its own, from which the rod's scene reads what any scene does.
 */
 #include "system/rods.h"
@@ -25,9 +27,12 @@ typedef struct {
 
 typedef struct {
   char name[ROD_NAME];
-  const char *file; /* where the rod was named */
+  const char *table; /* that it stands in, borrowed; NULL: none */
+  const char *pair;  /* it is no rod but how these touch: their names, borrowed; NULL: a rod */
+  const char *file;  /* where the rod was named */
   int line;
   PetscBool sectioned; /* it has a section */
+  StrandMeeting how;   /* of a pair */
   PetscOptions options;
   Reading reading;
   PetscInt n, room;
@@ -37,6 +42,9 @@ typedef struct {
 struct _Rods {
   PetscInt n, room;
   OneRod *rod;
+  PetscInt pairs;
+  OneRod *pair;      /* in their order, the later before the former */
+  PetscBool touch;   /* all do that no pair is said to be of */
   PetscBool entered; /* options are those of one of them */
 };
 
@@ -52,7 +60,9 @@ static void About(const OneRod *rod, const Said *said, char about[96]) {
   const char *file = said ? said->file : rod->file;
   const int line = said ? said->line : rod->line;
 
-  if (!file)
+  if (rod->pair)
+    (void)snprintf(about, 96, "%.36s, line %d, pair %.30s: ", Short(file), line, rod->pair);
+  else if (!file)
     (void)snprintf(about, 96, "-%s%s: ", rod->name, said ? "_" : "");
   else if (line)
     (void)snprintf(about, 96, "%.36s, line %d, rod %s: ", Short(file), line, rod->name);
@@ -124,6 +134,17 @@ static PetscErrorCode AddRod(Rods self, const char *name, const char *file, int 
   PetscFunctionReturn(0);
 }
 
+static const OptionRow rows[] = {
+    ROW_BOOL("-contact", "true", 0,
+             "in a section [pair NAME NAME]: these rods cannot pass through each other")};
+const OptionGroup pair_options = OPTION_GROUP("Pairs of rods", rows);
+
+/* Those that say how two rods touch. */
+static PetscBool IsOfPair(const char *name) {
+  return (PetscBool)(!strcmp(name, "-contact") || !strcmp(name, "-contact_friction") ||
+                     !strcmp(name, "-contact_stiffness"));
+}
+
 /* An option that a rod is said to have. */
 static PetscErrorCode Say(OneRod *rod, const char *name, const char *value, const char *file,
                           int line) {
@@ -140,9 +161,15 @@ static PetscErrorCode Say(OneRod *rod, const char *name, const char *value, cons
   if (value) PetscCall(PetscStrallocpy(value, &said->value));
   ErrorsLocate(Locate, rod);
   if (!OptionFind(name)) PetscCall(OptionsRefuse(name));
-  UserCheck(OptionOfRod(name), OptionsComm(),
-            "%s: is of the scene as a whole, and no rod's own; write it before the first section",
-            name);
+  if (rod->pair)
+    UserCheck(IsOfPair(name), OptionsComm(),
+              "%s: is not of how two rods touch; a pair has -contact, -contact_friction and "
+              "-contact_stiffness",
+              name);
+  else
+    UserCheck(OptionOfRod(name), OptionsComm(),
+              "%s: is of the scene as a whole, and no rod's own; write it before the first section",
+              name);
   ErrorsLocate(NULL, NULL);
   PetscFunctionReturn(0);
 }
@@ -178,6 +205,7 @@ static PetscErrorCode ReadRow(Rods self, const OptionSection *section, Table tab
   PetscFunctionBegin;
   UserCheck(!rod, OptionsComm(), "%s: two rods are named %s", file, called);
   PetscCall(AddRod(self, called, file, 0, &rod));
+  rod->table = file;
   PetscCall(SaySection(rod, section));
   for (PetscInt c = 0; c < TableColumns(table); c++) {
     const char *cell = TableCell(table, row, c);
@@ -232,16 +260,76 @@ static PetscBool Is(const OptionSection *section, const char *kind) {
   return (PetscBool)(!strncmp(section->head, kind, n) && section->head[n] == ' ');
 }
 
+/* ---- pairs ---- */
+
+/* Does a rod stand in the table of that name, FILE of FILE.csv? */
+static PetscBool IsOfTable(const OneRod *rod, const char *name, size_t n) {
+  const char *table = rod->table ? Short(rod->table) : NULL;
+  return (PetscBool)(table && !strncmp(table, name, n) && (!table[n] || table[n] == '.'));
+}
+
+/* Is a rod meant by a name: its own, that of its table, or one of several, as in a+b? */
+static PetscBool IsCalled(const OneRod *rod, const char *name, size_t n) {
+  for (size_t at = 0; at < n; at++) {
+    const size_t m = PetscMin(strcspn(name + at, "+"), n - at);
+    if (strlen(rod->name) == m && !strncmp(rod->name, name + at, m)) return PETSC_TRUE;
+    if (IsOfTable(rod, name + at, m)) return PETSC_TRUE;
+    at += m;
+  }
+  return PETSC_FALSE;
+}
+
+/* Goes to the next name of a pair: where it begins, and how long it is; NULL: there are no more. */
+static const char *NextName(const char *from, size_t *n) {
+  from += strspn(from, " ,");
+  *n = strcspn(from, " ,");
+  return *n ? from : NULL;
+}
+
+/* Are two rods a pair: each meant by a name of its own? */
+static PetscBool IsPair(const OneRod *pair, const OneRod *a, const OneRod *b) {
+  size_t n, m;
+
+  for (const char *one = NextName(pair->pair, &n); one; one = NextName(one + n, &n))
+    for (const char *other = NextName(pair->pair, &m); other; other = NextName(other + m, &m))
+      if (one != other && IsCalled(a, one, n) && IsCalled(b, other, m)) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* [pair NAME NAME] */
+static PetscErrorCode ReadPair(Rods self, const OptionSection *section) {
+  OneRod *pair = &self->pair[self->pairs++];
+  PetscInt names = 0;
+  size_t n;
+
+  PetscFunctionBegin;
+  *pair = (OneRod){
+      .pair = section->head + strlen("pair "), .file = section->file, .line = section->line};
+  for (const char *name = NextName(pair->pair, &n); name; name = NextName(name + n, &n), names++) {
+    PetscBool known = PETSC_FALSE;
+    for (PetscInt k = 0; k < self->n; k++)
+      if (IsCalled(&self->rod[k], name, n)) known = PETSC_TRUE;
+    UserCheck(known, OptionsComm(),
+              "%s, line %d: [%.60s]: no rod, and no table of rods, is called %.*s", section->file,
+              section->line, section->head, (int)PetscMin(n, 40), name);
+  }
+  UserCheck(names > 1, OptionsComm(),
+            "%s, line %d: [%.60s]: a pair has two names; rods of one table touch each other by "
+            "[pair NAME NAME]",
+            section->file, section->line, section->head);
+  PetscCall(SaySection(pair, section));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode ReadSections(Rods self, const OptionWords *words) {
   PetscFunctionBegin;
-  for (int k = 0; k < words->sections; k++)
-    UserCheck(!Is(&words->section[k], "pair"), OptionsComm(),
-              "%s, line %d: [%s]: rods do not touch each other in this version; take it out",
-              words->section[k].file, words->section[k].line, words->section[k].head);
   for (int k = 0; k < words->sections; k++)
     if (Is(&words->section[k], "rods")) PetscCall(ReadTable(self, &words->section[k]));
   for (int k = 0; k < words->sections; k++)
     if (Is(&words->section[k], "rod")) PetscCall(ReadSection(self, &words->section[k]));
+  PetscCall(PetscCalloc1(words->sections, &self->pair));
+  for (int k = 0; k < words->sections; k++)
+    if (Is(&words->section[k], "pair")) PetscCall(ReadPair(self, &words->section[k]));
   PetscFunctionReturn(0);
 }
 
@@ -298,6 +386,40 @@ static PetscErrorCode ReadGiven(Rods self) {
   PetscFunctionReturn(0);
 }
 
+/* Options are those of one rod, or of one pair. */
+static PetscErrorCode Enter(Rods self, OneRod *rod) {
+  PetscFunctionBegin;
+  PetscCall(OptionsEnter(rod->reading));
+  self->entered = PETSC_TRUE;
+  ErrorsLocate(Locate, rod);
+  PetscFunctionReturn(0);
+}
+
+/* Reads what pairs are said to have. */
+static PetscErrorCode TakePairs(Rods self) {
+  PetscBool given;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->pairs; k++) {
+    OneRod *pair = &self->pair[k];
+    PetscCall(PetscOptionsCreate(&pair->options));
+    for (PetscInt i = 0; i < pair->n; i++)
+      PetscCall(PetscOptionsSetValue(pair->options, pair->said[i].name, pair->said[i].value));
+    PetscCall(ReadingCreate(PETSC_COMM_SELF, pair->options, NULL, &pair->reading));
+    PetscCall(Enter(self, pair));
+    pair->how.touch = PETSC_TRUE;
+    PetscCall(OptionBool("-contact", &pair->how.touch, NULL));
+    PetscCall(OptionReal("-contact_friction", &pair->how.friction, &given));
+    if (!given) pair->how.friction = -1;
+    PetscCall(OptionReal("-contact_stiffness", &pair->how.stiffness, &given));
+    if (!given) pair->how.stiffness = 0;
+    PetscCall(RodsLeave(self));
+  }
+  self->touch = (PetscBool)(self->pairs > 0);
+  PetscCall(OptionBool("-contact_rods", &self->touch, NULL));
+  PetscFunctionReturn(0);
+}
+
 /*
   RodsRead - the rods of a scene. Collective; the caller destroys them with RodsDestroy(), also
   after an error.
@@ -313,6 +435,7 @@ PetscErrorCode RodsRead(const OptionWords *words, Rods *rods) {
   PetscCall(PetscNew(rods));
   self = *rods;
   PetscCall(ReadSections(self, words));
+  PetscCall(TakePairs(self));
   for (PetscInt k = 0; k < self->n; k++) PetscCall(PetscOptionsCreate(&self->rod[k].options));
   PetscCall(ReadGiven(self));
   for (PetscInt k = 0; k < self->n; k++) {
@@ -324,23 +447,29 @@ PetscErrorCode RodsRead(const OptionWords *words, Rods *rods) {
   PetscFunctionReturn(0);
 }
 
+/* Frees what was said of a rod, or of a pair. */
+static PetscErrorCode Forget(OneRod *rod) {
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < rod->n; i++) {
+    PetscCall(PetscFree(rod->said[i].name));
+    PetscCall(PetscFree(rod->said[i].value));
+  }
+  PetscCall(PetscFree(rod->said));
+  PetscCall(ReadingDestroy(&rod->reading));
+  PetscCall(PetscOptionsDestroy(&rod->options));
+  PetscFunctionReturn(0);
+}
+
 PetscErrorCode RodsDestroy(Rods *rods) {
   Rods self = *rods;
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   PetscCall(RodsLeave(self));
-  for (PetscInt k = 0; k < self->n; k++) {
-    OneRod *rod = &self->rod[k];
-    for (PetscInt i = 0; i < rod->n; i++) {
-      PetscCall(PetscFree(rod->said[i].name));
-      PetscCall(PetscFree(rod->said[i].value));
-    }
-    PetscCall(PetscFree(rod->said));
-    PetscCall(ReadingDestroy(&rod->reading));
-    PetscCall(PetscOptionsDestroy(&rod->options));
-  }
+  for (PetscInt k = 0; k < self->n; k++) PetscCall(Forget(&self->rod[k]));
+  for (PetscInt k = 0; k < self->pairs; k++) PetscCall(Forget(&self->pair[k]));
   PetscCall(PetscFree(self->rod));
+  PetscCall(PetscFree(self->pair));
   PetscCall(PetscFree(*rods));
   PetscFunctionReturn(0);
 }
@@ -357,9 +486,7 @@ const char *RodsName(Rods self, PetscInt k) {
    RodsLeave(); RodsDestroy() does that after an error. */
 PetscErrorCode RodsEnter(Rods self, PetscInt k) {
   PetscFunctionBegin;
-  PetscCall(OptionsEnter(self->rod[k].reading));
-  self->entered = PETSC_TRUE;
-  ErrorsLocate(Locate, &self->rod[k]);
+  PetscCall(Enter(self, &self->rod[k]));
   PetscFunctionReturn(0);
 }
 
@@ -369,6 +496,41 @@ PetscErrorCode RodsLeave(Rods self) {
   self->entered = PETSC_FALSE;
   ErrorsLocate(NULL, NULL);
   PetscCall(OptionsLeave());
+  PetscFunctionReturn(0);
+}
+
+/* RodsTouch - may any of them touch another one? */
+PetscBool RodsTouch(Rods self) {
+  return (PetscBool)(self->touch || self->pairs > 0);
+}
+
+/* RodsMeet - how two of them touch: by what pairs are said to have, of which the later counts. */
+void RodsMeet(Rods self, PetscInt a, PetscInt b, StrandMeeting *how) {
+  *how = (StrandMeeting){.touch = self->touch, .friction = -1};
+  for (PetscInt k = 0; k < self->pairs; k++) {
+    const OneRod *pair = &self->pair[k];
+    if (!IsPair(pair, &self->rod[a], &self->rod[b])) continue;
+    how->touch = pair->how.touch;
+    if (pair->how.friction >= 0) how->friction = pair->how.friction;
+    if (pair->how.stiffness > 0) how->stiffness = pair->how.stiffness;
+  }
+}
+
+/* RodsRefuseThin - refuses a pair with rod k, which has no diameter, unless it says that these do
+   not touch. */
+PetscErrorCode RodsRefuseThin(Rods self, PetscInt k) {
+  size_t n;
+
+  PetscFunctionBegin;
+  for (PetscInt p = 0; p < self->pairs; p++) {
+    const OneRod *pair = &self->pair[p];
+    if (!pair->how.touch) continue;
+    ErrorsLocate(Locate, pair);
+    for (const char *name = NextName(pair->pair, &n); name; name = NextName(name + n, &n))
+      UserCheck(!IsCalled(&self->rod[k], name, n), OptionsComm(),
+                "rod %s has no thickness; give it a -contact_diameter", self->rod[k].name);
+    ErrorsLocate(NULL, NULL);
+  }
   PetscFunctionReturn(0);
 }
 
@@ -408,24 +570,62 @@ PetscErrorCode RodsRefuseUnread(Rods self) {
   PetscFunctionReturn(0);
 }
 
-/* RodsText - the rods as an options file has them, a section each. The caller frees it. */
-PetscErrorCode RodsText(Rods self, char **text) {
-  size_t room = 1, at = 0;
+/* The names of a pair, those of the rods of a table instead of its own: a text has no tables. The
+   caller frees it. */
+static PetscErrorCode PairText(const Rods self, const OneRod *pair, char **text) {
+  size_t room = 1, at = 0, n;
 
   PetscFunctionBegin;
-  for (PetscInt k = 0; k < self->n; k++) {
-    room += ROD_NAME + 16;
-    for (PetscInt i = 0; i < self->rod[k].n; i++)
-      room += strlen(self->rod[k].said[i].name) +
-              (self->rod[k].said[i].value ? strlen(self->rod[k].said[i].value) : 0) + 2;
+  for (const char *name = NextName(pair->pair, &n); name; name = NextName(name + n, &n))
+    for (PetscInt k = 0; k < self->n; k++) room += ROD_NAME + 2;
+  PetscCall(PetscCalloc1(room, text));
+  for (const char *name = NextName(pair->pair, &n); name; name = NextName(name + n, &n)) {
+    const char *between = at ? " " : "";
+    for (PetscInt k = 0; k < self->n; k++) {
+      if (!IsCalled(&self->rod[k], name, n)) continue;
+      at += (size_t)snprintf(*text + at, room - at, "%s%s", between, self->rod[k].name);
+      between = "+";
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Room for what is said of a rod, or of a pair. */
+static size_t RoomOf(const OneRod *rod) {
+  size_t room = ROD_NAME + 16;
+
+  for (PetscInt i = 0; i < rod->n; i++)
+    room += strlen(rod->said[i].name) + (rod->said[i].value ? strlen(rod->said[i].value) : 0) + 2;
+  return room;
+}
+
+/* Its section, put behind what stands there. */
+static void TextOf(const OneRod *rod, const char *called, size_t room, char *text, size_t *at) {
+  *at += (size_t)snprintf(text + *at, room - *at, "[%s %s]\n", rod->pair ? "pair" : "rod", called);
+  for (PetscInt i = 0; i < rod->n; i++)
+    *at += (size_t)snprintf(text + *at, room - *at, "%s %s\n", rod->said[i].name,
+                            rod->said[i].value ? rod->said[i].value : "");
+}
+
+/* RodsText - the rods, and their pairs, as an options file has them, a section each. The caller
+   frees it. */
+PetscErrorCode RodsText(Rods self, char **text) {
+  size_t room = 1, at = 0;
+  char **called;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(self->pairs, &called));
+  for (PetscInt k = 0; k < self->n; k++) room += RoomOf(&self->rod[k]);
+  for (PetscInt k = 0; k < self->pairs; k++) {
+    PetscCall(PairText(self, &self->pair[k], &called[k]));
+    room += RoomOf(&self->pair[k]) + strlen(called[k]);
   }
   PetscCall(PetscCalloc1(room, text));
-  for (PetscInt k = 0; k < self->n; k++) {
-    const OneRod *rod = &self->rod[k];
-    at += (size_t)snprintf(*text + at, room - at, "[rod %s]\n", rod->name);
-    for (PetscInt i = 0; i < rod->n; i++)
-      at += (size_t)snprintf(*text + at, room - at, "%s %s\n", rod->said[i].name,
-                             rod->said[i].value ? rod->said[i].value : "");
+  for (PetscInt k = 0; k < self->n; k++) TextOf(&self->rod[k], self->rod[k].name, room, *text, &at);
+  for (PetscInt k = 0; k < self->pairs; k++) {
+    TextOf(&self->pair[k], called[k], room, *text, &at);
+    PetscCall(PetscFree(called[k]));
   }
+  PetscCall(PetscFree(called));
   PetscFunctionReturn(0);
 }

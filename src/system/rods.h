@@ -4,6 +4,9 @@
 #define TENDRIL_RODS_H
 
 #include "base/options.h"
+#include "rod/strands.h"
+
+extern const OptionGroup pair_options;
 
 enum { ROD_NAME = 32 };
 
@@ -16,6 +19,9 @@ const char *RodsName(Rods rods, PetscInt k);
 PetscErrorCode RodsEnter(Rods rods, PetscInt k);
 PetscErrorCode RodsLeave(Rods rods);
 PetscErrorCode RodsRefuseUnread(Rods rods);
+PetscBool RodsTouch(Rods rods);
+void RodsMeet(Rods rods, PetscInt a, PetscInt b, StrandMeeting *how);
+PetscErrorCode RodsRefuseThin(Rods rods, PetscInt k);
 PetscErrorCode RodsText(Rods rods, char **text);
 
 #endif

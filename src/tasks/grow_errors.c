@@ -78,7 +78,7 @@ static PetscReal Beside(const Grow *self) {
 static PetscReal Beyond(const Grow *self) {
   const Rod rod = self->now->rod;
   const PetscBool strands =
-      (PetscBool)(self->model == SPACE && self->kept.pressed > 0 && RodMeetsItself(rod));
+      (PetscBool)(self->model == SPACE && self->kept.pressed > 0 && RodMeetsStrands(rod));
 
   return AccuracyBeyond(strands, LearnedFront(rod));
 }

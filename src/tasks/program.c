@@ -4,6 +4,7 @@
 #include "record/event.h"
 #include "record/restart.h"
 #include "stepping/vbdf.h"
+#include "system/rods.h"
 #include "tasks/accuracy.h"
 #include "tasks/critical.h"
 #include "tasks/grow.h"
@@ -28,12 +29,11 @@ static const OptionRow rows[] = {
 static const OptionGroup main_options = OPTION_GROUP("Task and files", rows);
 
 static const OptionGroup *const table[] = {
-    &main_options,     &restart_options, &accuracy_options,  &growth_options,
-    &friction_options, &load_options,    &tip_options,       &space_options,
-    &contact_options,  &scene_options,   &stiffness_options, &curvature_options,
-    &tropism_options,  &shape_options,   &grow_options,      &frame_options,
-    &event_options,    &si_options,      &stability_options, &sweep_options,
-    &petsc_options};
+    &main_options,  &restart_options,   &accuracy_options,  &growth_options,  &friction_options,
+    &load_options,  &tip_options,       &space_options,     &contact_options, &pair_options,
+    &scene_options, &stiffness_options, &curvature_options, &tropism_options, &shape_options,
+    &grow_options,  &frame_options,     &event_options,     &si_options,      &stability_options,
+    &sweep_options, &petsc_options};
 
 /* ProgramSetTable - tells of the options that there are. Not collective. */
 void ProgramSetTable(void) {

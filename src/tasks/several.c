@@ -5,6 +5,7 @@
 #include "record/several.h"
 #include "rod/ask.h"
 #include "system/model.h"
+#include "stepping/vbdf.h"
 #include "tasks/growing.h"
 #include "tasks/grow_rules.h"
 #include <petsctime.h>
@@ -14,8 +15,11 @@ typedef struct {
   Joints joints;
   PetscInt n;
   Scene *scene;
-  Leg leg;    /* of all */
-  Grow *each; /* what is seen of each */
+  Leg leg;              /* of all */
+  Strands strands[2];   /* of those that may touch, for the stepper and for who looks; NULL: none */
+  RodSeen looked;       /* the state that the latter know, */
+  PetscBool with_rates; /* ... and whether with its rates */
+  Grow *each;           /* what is seen of each */
   Output *output;
   Several file;
   const char *restart; /* the file to go on from; empty: none */
@@ -49,8 +53,6 @@ PetscErrorCode SeveralAsked(PetscBool *asked) {
 /* Refuses what several rods together cannot yet. */
 static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionBegin;
-  UserCheck(!scene->contact.self, OptionsComm(),
-            "-contact_self: of several rods none touches itself in this version; take it out");
   UserCheck(!scene->tropism.any, OptionsComm(),
             "-tropism_ options and -growth_ironing: several rods do not know of a natural "
             "curvature that the material learns in this version; take them out");
@@ -60,7 +62,7 @@ static PetscErrorCode CheckRod(const Scene scene) {
 }
 
 static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
-  PetscBool carried;
+  PetscBool carried, touch = PETSC_FALSE;
   const char *why;
   Scene scene;
   Seat seat;
@@ -68,7 +70,9 @@ static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
   PetscFunctionBegin;
   PetscCall(JointsSeat(self->joints, k, each, &seat, &carried));
   PetscCall(RodsEnter(self->rods, k));
-  PetscCall(SceneCreateOn(carried ? &seat : NULL, &self->scene[k]));
+  PetscCall(OptionBool("-contact_self", &touch, NULL));
+  if (RodsTouch(self->rods)) touch = PETSC_TRUE;
+  PetscCall(SceneCreateOn(carried ? &seat : NULL, touch, &self->scene[k]));
   scene = self->scene[k];
   PetscCall(SingleShape(scene));
   scene->space.rod = PETSC_TRUE;
@@ -87,12 +91,13 @@ static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
 
 /* As of a rod alone; can any touch something, by what is given? */
 static PetscErrorCode ReadTolerance(Run *self) {
-  PetscBool touches = PETSC_FALSE;
+  PetscBool touches = RodsTouch(self->rods);
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && !touches; k++) {
     PetscCall(RodsEnter(self->rods, k));
     PetscCall(OptionGiven("-wall_file", &touches));
+    if (!touches) PetscCall(OptionGiven("-contact_self", &touches));
     PetscCall(RodsLeave(self->rods));
   }
   PetscCall(GrowTolerance(touches, &self->rtol, &self->eased));
@@ -127,6 +132,32 @@ static PetscErrorCode ReadOptions(Run *self) {
 
 /* ---- beginning ---- */
 
+/* RodsMeet() */
+static PetscErrorCode Meet(void *ctx, PetscInt a, PetscInt b, StrandMeeting *how) {
+  PetscFunctionBegin;
+  RodsMeet((Rods)ctx, a, b, how);
+  PetscFunctionReturn(0);
+}
+
+/* What looks for strands, if any rod can touch itself or another one. */
+static PetscErrorCode MakeStrands(Run *self) {
+  PetscBool any = PETSC_FALSE;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++)
+    if (self->scene[k]->contact.among) any = PETSC_TRUE;
+  for (int i = 0; i < 2 && any; i++)
+    PetscCall(StrandsCreateSeveral(self->n, self->scene, Meet, self->rods, &self->strands[i]));
+  for (PetscInt j = 0; j < JointsCount(self->joints) && any; j++) {
+    const Joint *joint = JointsGet(self->joints, j);
+    const PetscInt rod[2] = {joint->rod, joint->carrier},
+                   node[2] = {joint->tip ? self->scene[joint->rod]->mesh.cells : 0, joint->node};
+    for (int i = 0; i < 2; i++) PetscCall(StrandsJoin(self->strands[i], rod, node));
+  }
+  RodForget(&self->looked);
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode MakeLeg(Run *self) {
   Rod *each, all;
 
@@ -140,14 +171,78 @@ static PetscErrorCode MakeLeg(Run *self) {
     PetscCall(RodFindUnits(each[k]));
     PetscCall(RodHoldTip(each[k]));
     PetscCall(RodsLeave(self->rods));
+    if (self->scene[k]->contact.diameter <= 0) PetscCall(RodsRefuseThin(self->rods, k));
   }
   PetscCall(JointsClose(self->joints, self->rods, each));
-  PetscCall(SystemCreate(self->n, each, self->joints, &all));
+  PetscCall(MakeStrands(self));
+  PetscCall(SystemCreate(self->n, each, self->joints, self->strands[0], &all));
   PetscCall(PetscFree(each));
   PetscCall(LegCreateOf(all, self->rtol, &self->leg));
   UserCheck(self->leg.newton.elimination || all->coupled, OptionsComm(),
             "-ksp_, -pc_, -mat_ and the like are about a matrix, and several rods have none; take "
             "them out");
+  PetscFunctionReturn(0);
+}
+
+/* Looks for strands in a state of all; U_t NULL: rates are not known. */
+static PetscErrorCode LookForStrands(Run *self, PetscReal t, Vec U, Vec U_t) {
+  StrandState state = {.t = t, .stride = self->leg.rod->model->fields};
+
+  PetscFunctionBegin;
+  PetscCall(VecGetArrayRead(U, &state.u));
+  if (U_t) PetscCall(VecGetArrayRead(U_t, &state.u_t));
+  PetscCall(StrandsSearch(self->strands[1], &state));
+  PetscCall(StrandsLoad(self->strands[1], &state));
+  if (U_t) PetscCall(VecRestoreArrayRead(U_t, &state.u_t));
+  PetscCall(VecRestoreArrayRead(U, &state.u));
+  PetscFunctionReturn(0);
+}
+
+/* ... at a time: that which has been come to, or one within the latest step, where the state is by
+   the stepper's dense output. */
+static PetscErrorCode LookAtTime(Run *self, PetscReal t, PetscBool moves) {
+  const RodState *latest = &self->leg.newton.latest;
+  PetscBool known;
+  Vec U, U_t;
+
+  PetscFunctionBegin;
+  if (t == self->t) {
+    PetscCall(LookForStrands(self, t, self->leg.U, moves ? latest->U_t : NULL));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(DMGetGlobalVector(self->leg.rod->da, &U));
+  PetscCall(DMGetGlobalVector(self->leg.rod->da, &U_t));
+  PetscCall(VBDFInterpolate(self->leg.ts, t, U, U_t, &known));
+  if (!known) PetscCall(TSInterpolate(self->leg.ts, t, U));
+  PetscCall(LookForStrands(self, t, U, moves && known ? U_t : NULL));
+  PetscCall(DMRestoreGlobalVector(self->leg.rod->da, &U_t));
+  PetscCall(DMRestoreGlobalVector(self->leg.rod->da, &U));
+  PetscFunctionReturn(0);
+}
+
+/* ... once at a time. */
+static PetscErrorCode KnowStrands(Run *self, PetscReal t, PetscBool moves) {
+  const RodState at = {.t = t, .U = self->leg.U, .U_t = self->leg.U};
+  PetscBool known;
+
+  PetscFunctionBegin;
+  PetscCall(RodRecognise(&at, &self->looked, &known));
+  if (!known || self->with_rates != moves) PetscCall(LookAtTime(self, t, moves));
+  self->with_rates = moves;
+  PetscFunctionReturn(0);
+}
+
+/* A TouchingTell. */
+static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool moves,
+                                  StrandsOn *on) {
+  Run *self = (Run *)ctx;
+  const PetscInt first = 2 * StrandsFirst(self->strands[1], k);
+
+  PetscFunctionBegin;
+  PetscCall(KnowStrands(self, t, moves));
+  StrandsSum(self->strands[1], k, &on->sum);
+  on->force = StrandsForces(self->strands[1]) + first;
+  on->couple = StrandsCouples(self->strands[1]) + first;
   PetscFunctionReturn(0);
 }
 
@@ -169,10 +264,7 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   PetscCall(LegPartFollow(grow->now));
   if (!JointsCount(self->joints)) PetscCall(EstimateCreate(grow->now, &grow->estimate));
   PetscCall(ObserverCreate(grow->scene, &grow->observer));
-  if (!self->restart[0]) {
-    PetscCall(GrowCheckStart(grow));
-    PetscCall(RodBegin(grow->now->rod, grow->now->U));
-  }
+  if (grow->scene->contact.among) ObserverAmong(grow->observer, TellStrands, self, k);
   PetscCall(OutputCreate("", grow->scene, &grow->output));
   PetscCall(OutputKeep(grow->output, PETSC_TRUE, PETSC_TRUE));
   if (GrowFollowsErrors(grow)) PetscCall(OutputFollows(grow->output));
@@ -259,10 +351,13 @@ static PetscErrorCode ReadRestart(Run *self) {
 
 /* The rods are those of the file, in its order. */
 static PetscErrorCode CheckSame(const Run *self) {
+  PetscInt rods = 0;
+
   PetscFunctionBegin;
-  UserCheck(self->words.sections == self->n, OptionsComm(),
-            "-restart %s: has %d rods, and the scene has %d", self->restart, self->words.sections,
-            (int)self->n);
+  for (int k = 0; k < self->words.sections; k++)
+    if (!strncmp(self->words.section[k].head, "rod ", 4)) rods++;
+  UserCheck(rods == self->n, OptionsComm(), "-restart %s: has %d rods, and the scene has %d",
+            self->restart, (int)rods, (int)self->n);
   for (PetscInt k = 0; k < self->n; k++) {
     const char *name = self->words.section[k].head + strlen("rod ");
     UserCheck(!strcmp(name, RodsName(self->rods, k)), OptionsComm(),
@@ -358,7 +453,9 @@ static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
 
 /* Stores the shapes of a state of all; U NULL: as they begin. */
 static PetscErrorCode StoreShape(Run *self, PetscReal t, Vec U) {
+  StrandPlace *place;
   Vec part = NULL;
+  PetscInt n;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
@@ -367,6 +464,11 @@ static PetscErrorCode StoreShape(Run *self, PetscReal t, Vec U) {
     if (U) PetscCall(RodPartCloseRead(self->leg.rod, k, U, &part));
   }
   self->stored_shape = t;
+  if (!self->strands[1]) PetscFunctionReturn(0);
+  PetscCall(KnowStrands(self, t, (PetscBool)(t > 0)));
+  PetscCall(StrandsPlaces(self->strands[1], &n, &place));
+  PetscCall(SeveralTouch(&self->file, n, place));
+  PetscCall(PetscFree(place));
   PetscFunctionReturn(0);
 }
 
@@ -561,6 +663,36 @@ static PetscErrorCode Finish(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses rods that begin within each other. */
+static PetscErrorCode CheckApart(Run *self, PetscInt k) {
+  const Contact *contact = &self->scene[k]->contact;
+  char depth[64], place[96];
+  StrandsOn on;
+
+  PetscFunctionBegin;
+  if (!contact->among) PetscFunctionReturn(0);
+  PetscCall(TellStrands(self, k, 0, PETSC_FALSE, &on));
+  UserCheck(on.sum.rod == k || on.sum.nearest >= -contact->smooth, OptionsComm(),
+            "rods %s and %s are %s deep in each other at the start, at %s; give one another "
+            "-clamp_place, or take -contact false for [pair %s %s]",
+            RodsName(self->rods, k), RodsName(self->rods, on.sum.rod),
+            OptionBoth(-on.sum.nearest, UNIT_LENGTH, depth), OptionPlace(on.sum.x, place),
+            RodsName(self->rods, k), RodsName(self->rods, on.sum.rod));
+  PetscFunctionReturn(0);
+}
+
+/* Each begins where it can, all of them being where they begin. */
+static PetscErrorCode CheckStarts(Run *self) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) PetscCall(CheckApart(self, k));
+  for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) {
+    PetscCall(RodsEnter(self->rods, k));
+    PetscCall(GrowCheckStart(&self->each[k]));
+    PetscCall(RodsLeave(self->rods));
+  }
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Begin(Run *self) {
   const OptionWords *given = &OptionsLine()->taken;
 
@@ -582,12 +714,15 @@ static PetscErrorCode Begin(Run *self) {
   for (PetscInt k = 0; k < self->n; k++) {
     PetscCall(RodsEnter(self->rods, k));
     PetscCall(MakeSeen(self, k));
+    if (!self->restart[0]) PetscCall(RodBegin(self->each[k].now->rod, self->each[k].now->U));
     PetscCall(RodsLeave(self->rods));
   }
+  PetscCall(CheckStarts(self));
   PetscCall(RodsRefuseUnread(self->rods));
   PetscCall(OptionsRefuseUnread());
   self->file.rods = self->rods;
   self->file.n = self->n;
+  self->file.touch = (PetscBool)(self->strands[1] != NULL);
   self->file.each = self->output;
   self->file.keep = Keep;
   self->file.ctx = self;
@@ -638,6 +773,7 @@ static PetscErrorCode End(Run *self) {
     PetscCall(LegPartEnd(&self->each[k].leg[SPACE]));
   }
   PetscCall(LegDestroy(&self->leg));
+  for (int i = 0; i < 2; i++) PetscCall(StrandsDestroy(&self->strands[i]));
   for (PetscInt k = 0; k < self->n && self->scene; k++) PetscCall(SceneDestroy(&self->scene[k]));
   PetscCall(PetscFree3(self->scene, self->each, self->output));
   if (self->begun) PetscCall(SeveralEnd(&self->file));

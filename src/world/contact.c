@@ -8,6 +8,10 @@ static const OptionRow rows[] = {
     ROW_REAL("-contact_diameter", "0", 0, 1e6, UNIT_LENGTH, 0,
              "D, of the rod: walls meet its surface, and with -contact_self it meets itself"),
     ROW_BOOL("-contact_self", "false", 0, "parts of the rod cannot pass through each other"),
+    ROW_BOOL(
+        "-contact_rods", "", OF_SCENE,
+        "several rods that have a diameter cannot pass through each other (docs/several-rods.md); "
+        "if not given it is so if there is a [pair] section"),
     ROW_REAL("-contact_friction", "0", 0, 100, UNIT_NONE, 0,
              "mu_c, friction in contact over its normal force: with walls that do not say their "
              "own, and of the rod with itself"),
@@ -35,9 +39,10 @@ PetscErrorCode ContactMayGetFirm(Contact *contact) {
   ContactSetFromOptions - reads and checks the options of contact and its walls. Collective; the
   caller ends it with ContactDestroy(), also after an error.
 
+  among     it is one of several rods that may touch each other
   friction  along the rod: that in contact is regularised likewise
 */
-PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
+PetscErrorCode ContactSetFromOptions(Contact *contact, PetscBool among, const Friction *friction,
                                      PetscReal clamp_angle) {
   char file[PETSC_MAX_PATH_LEN] = "";
   PetscBool walls, rubs, thick;
@@ -47,11 +52,12 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
   PetscCall(OptionText("-wall_file", file, &walls));
   PetscCall(OptionBool("-contact_self", &contact->self, NULL));
   PetscCall(OptionReal("-contact_diameter", &contact->diameter, &thick));
+  thick = (PetscBool)(thick && contact->diameter > 0);
+  contact->among = (PetscBool)(among && thick);
   PetscCall(OptionReal("-contact_friction", &contact->friction, &rubs));
   PetscCall(OptionReal("-contact_stiffness", &contact->stiffness, &contact->given));
   PetscCall(OptionBool("-contact_firm", &contact->firm, &contact->chosen));
-  contact->any = (PetscBool)(walls || contact->self);
-  thick = (PetscBool)(thick && contact->diameter > 0);
+  contact->any = (PetscBool)(walls || ContactOfStrands(contact));
   if (contact->any) PetscCall(OptionReal("-accuracy", &contact->accuracy, &contact->fine));
   UserCheck(contact->any || !(rubs || contact->given || thick), OptionsComm(),
             "%s: there is nothing to touch; give -wall_file, or -contact_self",
@@ -71,7 +77,7 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
     PetscCall(WallsRead(file, contact->diameter / 2, contact->friction, clamp_angle,
                         &contact->walls, &contact->surfaces));
   UserCheck(
-      !rubs || contact->self || contact->walls.bare, OptionsComm(),
+      !rubs || ContactOfStrands(contact) || contact->walls.bare, OptionsComm(),
       "-contact_friction would change nothing: every wall of %s says its own friction; change "
       "it there, or take it out of its line",
       file);
@@ -129,7 +135,7 @@ static PetscReal Thickness(const Contact *contact) {
 /* How deep a force of usual size is to press the rod in, and the rate of its logarithm. */
 static PetscReal AllowedDepth(const Contact *contact, const PetscReal length[2], PetscReal *rate) {
   const PetscReal D = Thickness(contact), L = length[0],
-                  part = contact->self ? part_of_strands : part_of_diameter,
+                  part = ContactOfStrands(contact) ? part_of_strands : part_of_diameter,
                   thin = contact->fine ? part_of_accuracy * contact->accuracy : part_of_length,
                   thick = part * PetscMin(D, L);
 

@@ -30,6 +30,8 @@
 typedef struct {
   PetscBool any;                    /* there are walls, or strands that touch */
   PetscBool self;                   /* strands touch */
+  PetscBool among;                  /* it is one of several rods, whose strands are looked at
+                                       together: others may touch it */
   PetscBool given;                  /* k is the user's */
   PetscBool fine;                   /* an accuracy is asked for, and k follows from that, too */
   PetscBool firm;                   /* k grows where the rod is pressed in */
@@ -57,7 +59,7 @@ typedef struct {
 
 extern const OptionGroup contact_options;
 
-PetscErrorCode ContactSetFromOptions(Contact *contact, const Friction *friction,
+PetscErrorCode ContactSetFromOptions(Contact *contact, PetscBool among, const Friction *friction,
                                      PetscReal clamp_angle);
 PetscErrorCode ContactMayGetFirm(Contact *contact);
 PetscErrorCode ContactStaysSoft(Contact *contact);
@@ -88,8 +90,13 @@ static inline PetscBool ContactWallsRub(const Contact *contact) {
    can touch itself, which is softer to begin with. */
 static const PetscReal contact_firm[2] = {1.5, 3}, contact_firm_times[2] = {16, 64};
 
+/* Can strands touch, of the rod or of others? */
+static inline PetscBool ContactOfStrands(const Contact *contact) {
+  return (PetscBool)(contact->self || contact->among);
+}
+
 static inline PetscReal ContactFirmTimes(const Contact *contact) {
-  return contact_firm_times[contact->self ? 1 : 0];
+  return contact_firm_times[ContactOfStrands(contact) ? 1 : 0];
 }
 
 /* What the part that is firm adds to the depth, r; by_depth its derivative, energy its integral. */

@@ -46,6 +46,17 @@ class Several(unittest.TestCase):
         self.assertAlmostEqual(self.r.series.energy[-1], sum(one.series.energy[-1] for one in self.r.rods.values()), 14)
         self.assertEqual(self.r.series.length[-1], max(one.series.length[-1] for one in self.r.rods.values()))
 
+    def test_pairs(self):
+        with self.assertRaisesRegex(tendril.ResultsError, "its rods do not touch each other"):
+            _ = self.r.pairs
+        r = tendril.run(SCENE, contact_diameter=0.05, ts_max_time=0.6, output_shapes=2, rods={"low": {"clamp_direction": (1, 0, 0.05)},
+                        "high": {"clamp_place": (0.7, 0, 0.5), "clamp_direction": (0, 0, -1)}}, pairs={("low", "high"): {"contact_friction": 0.2}})
+        last = r.pairs[-1]
+        self.assertEqual((len(r.pairs), len(r.pairs[0].rods), last.rods), (3, 0, [("low", "high")]))
+        self.assertEqual((last.s.shape, last.force.shape, last.gap.shape), ((1, 2), (1, 3), (1,)))
+        self.assertLess(last.force[0, 2], 0)
+        self.assertAlmostEqual(np.linalg.norm(last.force) / r.series.contact_force[-1], 1, 1)
+
     def test_one_is_to_be_taken(self):
         with self.assertRaisesRegex(tendril.ResultsError, r"holds 3 rods; take one, as \['side1'\]"):
             self.r.at(0.1)

@@ -18,7 +18,7 @@ static void Answers(Rod rod, PetscBool dry, PetscBool touches, PetscBool tip_hel
   CHECK(RodLength(rod, 0, &long_));
   EXPECT(RodIsDry(rod) == dry, "dry: %d", RodIsDry(rod));
   EXPECT(RodTouches(rod) == touches, "touches: %d", RodTouches(rod));
-  EXPECT(RodMeetsItself(rod) == touches, "itself: %d", RodMeetsItself(rod));
+  EXPECT(RodMeetsStrands(rod) == touches, "itself: %d", RodMeetsStrands(rod));
   EXPECT(!RodMeetsWalls(rod), "walls");
   EXPECT(ends.tip_held == tip_held && ends.tip_rests == tip_held, "tip: %d", ends.tip_held);
   EXPECT(ends.clamped && !ends.begins_free, "beginning");

@@ -406,21 +406,22 @@ static PetscReal WorkError(PetscInt cells) {
   CHECK(StrandsCreate(scene, &strands));
   CHECK(GrowthLength(scene->growth, t, &L, NULL));
   for (int k = 0; k < 3; k++) {
-    StrandState state = {.t = t, .stride = NODE_VALUES};
+    StrandState state = {.t = t, .stride = NODE_VALUES, .between = NODE_BETWEEN};
     CHECK(PetscCalloc1(cells + 1, &nodes[k]));
     Spiral(scene->mesh.s, cells, L, (k - 1) * e, nodes[k]);
     if (k == 1) continue;
     state.u = nodes[k][0].x;
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
-    StrandsSum(strands, &sum);
+    StrandsSum(strands, 0, &sum);
     energy[k / 2] = sum.energy;
   }
   {
-    StrandState state = {.t = t, .stride = NODE_VALUES, .u = nodes[1][0].x};
+    StrandState state = {
+        .t = t, .stride = NODE_VALUES, .between = NODE_BETWEEN, .u = nodes[1][0].x};
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
-    StrandsSum(strands, &sum);
+    StrandsSum(strands, 0, &sum);
   }
   force = StrandsForces(strands);
   EXPECT(sum.normal > 0.01, "nothing touches: %g", sum.normal);

@@ -90,6 +90,49 @@ def a_rod_that_is_cut_and_welded_is_the_rod():
     expect(off < 1e-12, off)
 
 
+@check
+def a_rod_of_another_stiffness_friction_and_speed_is_the_run_scaled():
+    """b, n, v over those of the scales: lengths go as (b/n)^(1/3), times as that over v, energies as b over it; beside a rod that is not."""
+    b, n, v = 3., 0.4, 0.7
+    length = (b / n) ** (1 / 3)
+    fixed = "-ts_adapt_type none -ts_rtol 1e-10 "
+    shared = {"friction_mu": 1, "shape_type": "sag", "rod_cells": 20, "output_shapes": 2}
+    for growth in ("uniform", "feed", "apical", "gaussian"):
+        zone = {"growth_zone": 0.25} if growth == "apical" else {}
+        zoned = {key: value * length for key, value in zone.items()}
+        one = Several({"one": {"shape_amplitude": 0.02}}, fixed + f"-ts_dt {0.05}", "one", **shared | zone,
+                      growth_type=growth, growth_initial_length=0.8, ts_max_time=0.5, friction_beta=1e-4, friction_layers="0:1")
+        two = Several({"one": {"rod_stiffness": b, "friction_strength": n, "growth_speed": v, "shape_amplitude": 0.02},
+                       "other": {"clamp_place": "0,9,0", "growth_initial_length": 0.5}},
+                      fixed + f"-ts_dt {0.05 * length / v}", "two", **shared | zoned, growth_type=growth, growth_initial_length=0.8 * length,
+                      ts_max_time=0.5 * length / v, friction_beta=1e-4 * v ** 2, friction_layers="0:1")
+        off = np.abs(two.x["one"] / length - one.x["one"]).max()
+        energy = abs(two.series["one"]["energy"][-1] * length / b / one.series["one"]["energy"][-1] - 1)
+        print(f"{growth}: off by {off:.1e}, energy {energy:.1e}")
+        expect(off < 1e-8 and energy < 1e-6, f"{growth}: {off}, {energy}")
+
+
+@check
+def branches_of_their_own_stiffness_are_where_shooting_has_them():
+    """A Y in space, a lateral half-way along a rod that hangs, and one on a rod that is stiff."""
+    space = Several({"stem": {"clamp_direction": "0,0,1"},
+                     "left": {"clamp_on": "stem", "clamp_angle": "45deg", "clamp_azimuth": "-90deg", "tip_force_vector": "0,0.5,-0.5"},
+                     "right": {"clamp_on": "stem", "clamp_angle": "45deg", "clamp_azimuth": "90deg", "tip_force_vector": "0,0,-0.5",
+                               "rod_stiffness": 0.5}}, ts_max_time=200)
+    tap = Several({"tap": {"growth_initial_length": 2, "rod_cells": 32, "rod_weight": "0,0,-1"},
+                   "side": {"clamp_on": "tap", "clamp_at": 1, "clamp_angle": "60deg", "rod_stiffness": 0.25, "rod_weight": "0,0,-1"}},
+                  ts_max_time=400)
+    stiff = Several({"parent": {"rod_stiffness": 1e7},
+                     "side": {"clamp_on": "parent", "clamp_at": 0.5, "clamp_angle": "90deg", "rod_weight": "0,0,-10"}}, ts_max_time=200, rod_cells=32)
+    side = (0.6563537612, -0.7001997155)
+    for run, rod, place in ((space, "stem", (-0.1979053254, 0.5906411715, 0.6896091608)), (space, "left", (0.1713377345, 1.5023743946, 0.8479399576)),
+                            (space, "right", (-1.0633534719, 0.9919607202, 0.4236064095)), (tap, "side", (0.8545361494, 0.5371027312, -1.4030751075)),
+                            (tap, "tap", (1.1844905217, -0.1490193522, -1.4919255478)), (stiff, "side", (0.5, *side))):
+        off = np.abs(run.tip(rod) - place).max()
+        print(f"{rod}: off by {off:.1e}")
+        expect(off < 3e-6, f"{rod}: {off}")
+
+
 REFUSED = [  # (lines of a scene, what is said)
     ("[rod a]\n[rod b]\n-clamp_on c\n", "line 3, rod b: -clamp_on c: there is no rod of that name; there are a, b"),
     ("[rod a]\n-clamp_on a\n", "line 2, rod a: -clamp_on a: a rod cannot hold itself"),

@@ -175,9 +175,13 @@ REFUSED = [  # (lines of a scene, more words, what is said)
     ("[rods bad.csv]\n", "", "bad.csv, rod a2: -rod_curvature y: give a number"),
     ("[rods twice.csv]\n", "", "two rods are named a1"),
     ("[rod a]\n-options_file other.opts\n", "", "line 2: -options_file: is no option of a rod"),
-    ("[rod a]\n[rod b]\n[pair a b]\n", "", "line 3: [pair a b]: rods do not touch each other in this version"),
+    ("[rod a]\n[rod b]\n[pair a b]\n", "", "several.opts, line 3, pair a b: rod a has no thickness; give it a -contact_diameter"),
+    ("[rod a]\n[rod b]\n[pair a c]\n", "", "line 3: [pair a c]: no rod, and no table of rods, is called c"),
+    ("[rod a]\n[rod b]\n[pair a,]\n", "", "line 3: [pair a,]: a pair has two names"),
+    ("[rod a]\n[rod b]\n[pair a b]\n-rod_cells 3\n", "", "line 4, pair a b: -rod_cells: is not of how two rods touch"),
+    ("[rod a]\n[rod b]\n[pair a b]\n-contact_friction x\n", "", "line 4, pair a b: -contact_friction x: give a number"),
+    ("-contact_diameter 0.1\n[rod a]\n[rod b]\n-clamp_place 0,0.05,0\n[pair a b]\n", "", "rods a and b are 0.05"),
     ("[rod a]\n-clamp_type free\n", "", "line 2, rod a: -clamp_type free: nothing keeps a rod in space from spinning"),
-    ("[rod a]\n-contact_self\n-contact_diameter 0.01\n", "", "line 2, rod a: -contact_self: of several rods none"),
     ("[rod a]\n", "-task critical", "[rod a]: this -task knows one rod"),
     ("[rod a]\n", "-accuracy 1e-4", "-accuracy: is not known of several rods"),
     ("[rod a]\n", "-pc_type lu", "several rods have none"),
@@ -204,8 +208,7 @@ def what_is_wrong_is_told_with_rod_and_line():
 @check(ranks=2)
 def several_ranks_are_refused():
     path = file("[rod a]\n")
-    done = subprocess.run([scene.MPIEXEC, "-n", "2", scene.TENDRIL, "-options_file", str(path)], capture_output=True, text=True,
-                          env=scene.ENVIRONMENT)
+    done = scene.on_ranks(2, ["-options_file", str(path)])
     expect(done.returncode != 0 and "[rod a]: several rods run on one rank in this version" in done.stderr, done.stderr)
 
 
