@@ -286,9 +286,8 @@ PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell ce
     PetscCall(GrowthStretch(rod->scene->growth, 2, &s[i], t, curve->g, NULL, NULL));
     for (int e = 0; e < 2; e++) {
       const Node *node = &with[i + e];
-      const PetscReal *x = dims == 3 ? node->x3 : node->x;
       PetscReal d[3][3];
-      for (int c = 0; c < dims; c++) curve->x[e][c] = x[c];
+      for (int c = 0; c < dims; c++) curve->x[e][c] = node->x[c];
       if (dims == 2) {
         curve->q[e][0] = PetscCosReal(node->theta);
         curve->q[e][1] = PetscSinReal(node->theta);

@@ -148,10 +148,12 @@ void StrandJoints(Strands self, const StrandState *state, const PetscReal *shift
       joint->x_t[d] = u_t[d];
       if (shift) joint->by.shift[d] = shift[d];
     }
+    const PetscReal *turn = u + dims + state->between,
+                    *turn_t = state->u_t ? u_t + dims + state->between : still;
     if (dims == 2)
-      JointInPlane(u[dims], u_t[dims], g, g_t, shift ? shift + dims : NULL, joint);
+      JointInPlane(*turn, *turn_t, g, g_t, shift ? shift + dims : NULL, joint);
     else
-      JointInSpace(u + dims, u_t + dims, g, g_t, shift ? shift + dims : NULL, joint);
+      JointInSpace(turn, turn_t, g, g_t, shift ? shift + dims : NULL, joint);
     if (self->meet) StrandJointToLab(self, i, joint);
   }
 }

@@ -220,11 +220,8 @@ static PetscErrorCode LookAtTime(Run *self, PetscReal t, PetscBool moves) {
   PetscFunctionReturn(0);
 }
 
-/* A TouchingTell: all rods are looked at once at a time. */
-static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool moves,
-                                  StrandsOn *on) {
-  Run *self = (Run *)ctx;
-  const PetscInt first = 2 * StrandsFirst(self->strands[1], k);
+/* ... once at a time. */
+static PetscErrorCode KnowStrands(Run *self, PetscReal t, PetscBool moves) {
   const RodState at = {.t = t, .U = self->leg.U, .U_t = self->leg.U};
   PetscBool known;
 
@@ -232,6 +229,17 @@ static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool 
   PetscCall(RodRecognise(&at, &self->looked, &known));
   if (!known || self->with_rates != moves) PetscCall(LookAtTime(self, t, moves));
   self->with_rates = moves;
+  PetscFunctionReturn(0);
+}
+
+/* A TouchingTell. */
+static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool moves,
+                                  StrandsOn *on) {
+  Run *self = (Run *)ctx;
+  const PetscInt first = 2 * StrandsFirst(self->strands[1], k);
+
+  PetscFunctionBegin;
+  PetscCall(KnowStrands(self, t, moves));
   StrandsSum(self->strands[1], k, &on->sum);
   on->force = StrandsForces(self->strands[1]) + first;
   on->couple = StrandsCouples(self->strands[1]) + first;
@@ -445,7 +453,9 @@ static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
 
 /* Stores the shapes of a state of all; U NULL: as they begin. */
 static PetscErrorCode StoreShape(Run *self, PetscReal t, Vec U) {
+  StrandPlace *place;
   Vec part = NULL;
+  PetscInt n;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
@@ -454,6 +464,11 @@ static PetscErrorCode StoreShape(Run *self, PetscReal t, Vec U) {
     if (U) PetscCall(RodPartCloseRead(self->leg.rod, k, U, &part));
   }
   self->stored_shape = t;
+  if (!self->strands[1]) PetscFunctionReturn(0);
+  PetscCall(KnowStrands(self, t, (PetscBool)(t > 0)));
+  PetscCall(StrandsPlaces(self->strands[1], &n, &place));
+  PetscCall(SeveralTouch(&self->file, n, place));
+  PetscCall(PetscFree(place));
   PetscFunctionReturn(0);
 }
 
@@ -678,6 +693,26 @@ static PetscErrorCode CheckStarts(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses rods that hold each other in a ring if what they bear there is not determined. */
+static PetscErrorCode CheckRings(Run *self) {
+  const Joint *closes = NULL;
+  PetscBool determined;
+
+  PetscFunctionBegin;
+  for (PetscInt j = 0; j < JointsCount(self->joints) && !closes; j++)
+    if (JointsGet(self->joints, j)->tip) closes = JointsGet(self->joints, j);
+  if (!closes) PetscFunctionReturn(0);
+  PetscCall(NewtonDetermines(&self->leg.newton, self->leg.U, 1 / RodUnits(self->leg.rod)->time,
+                             &determined));
+  PetscCall(RodsEnter(self->rods, closes->rod));
+  UserCheck(determined, OptionsComm(),
+            "-tip_on %s: rods that are straight do not stretch, and of this ring of them what they "
+            "bear is not determined; bend one (-shape_amplitude), or leave a joint out",
+            RodsName(self->rods, closes->carrier));
+  PetscCall(RodsLeave(self->rods));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Begin(Run *self) {
   const OptionWords *given = &OptionsLine()->taken;
 
@@ -703,10 +738,13 @@ static PetscErrorCode Begin(Run *self) {
     PetscCall(RodsLeave(self->rods));
   }
   PetscCall(CheckStarts(self));
+  if (!self->restart[0]) PetscCall(CheckRings(self));
   PetscCall(RodsRefuseUnread(self->rods));
   PetscCall(OptionsRefuseUnread());
   self->file.rods = self->rods;
+  self->file.joints = self->joints;
   self->file.n = self->n;
+  self->file.touch = (PetscBool)(self->strands[1] != NULL);
   self->file.each = self->output;
   self->file.keep = Keep;
   self->file.ctx = self;
