@@ -61,6 +61,11 @@ typedef struct {
   StrandBy couple_by[STRAND_TAKERS];
 } StrandSlope;
 
+/* Two cells that are near to touching. */
+typedef struct {
+  PetscInt sample, foot;
+} CellPair;
+
 /* What all contacts amount to. */
 typedef struct {
   PetscReal energy, loss; /* int U, power lost to friction */
@@ -92,6 +97,6 @@ void StrandsSum(Strands strands, PetscInt rod, StrandSum *sum);
 PetscInt StrandsFirst(Strands strands, PetscInt rod);
 PetscInt StrandsRod(Strands strands, PetscInt node);
 PetscInt StrandsDuals(Strands strands, FrictionDual **duals);
-PetscErrorCode StrandsNear(Strands strands, PetscInt *n, PetscInt (**cells)[2]);
+PetscErrorCode StrandsNear(Strands strands, PetscInt *n, CellPair **cells);
 
 #endif
