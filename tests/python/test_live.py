@@ -293,6 +293,8 @@ class Sessions(unittest.TestCase):
             session.obey({"do": "back", "t": 0.5 * sum(ends)})
             session.step()
             self.assertEqual(session.whole()["lamp"], [3, 2, 0])
+            with self.assertRaisesRegex(tendril.TendrilError, "would stand on the rod"):
+                session.do_lamp({"place": (session.sim.nodes["x"][20] + 1e-5).tolist()})
             while not session.branch.ended:
                 session.step()
                 session.look()
