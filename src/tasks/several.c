@@ -693,6 +693,26 @@ static PetscErrorCode CheckStarts(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses rods that hold each other in a ring if what they bear there is not determined. */
+static PetscErrorCode CheckRings(Run *self) {
+  const Joint *closes = NULL;
+  PetscBool determined;
+
+  PetscFunctionBegin;
+  for (PetscInt j = 0; j < JointsCount(self->joints) && !closes; j++)
+    if (JointsGet(self->joints, j)->tip) closes = JointsGet(self->joints, j);
+  if (!closes) PetscFunctionReturn(0);
+  PetscCall(NewtonDetermines(&self->leg.newton, self->leg.U, 1 / RodUnits(self->leg.rod)->time,
+                             &determined));
+  PetscCall(RodsEnter(self->rods, closes->rod));
+  UserCheck(determined, OptionsComm(),
+            "-tip_on %s: rods that are straight do not stretch, and of this ring of them what they "
+            "bear is not determined; bend one (-shape_amplitude), or leave a joint out",
+            RodsName(self->rods, closes->carrier));
+  PetscCall(RodsLeave(self->rods));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Begin(Run *self) {
   const OptionWords *given = &OptionsLine()->taken;
 
@@ -718,9 +738,11 @@ static PetscErrorCode Begin(Run *self) {
     PetscCall(RodsLeave(self->rods));
   }
   PetscCall(CheckStarts(self));
+  if (!self->restart[0]) PetscCall(CheckRings(self));
   PetscCall(RodsRefuseUnread(self->rods));
   PetscCall(OptionsRefuseUnread());
   self->file.rods = self->rods;
+  self->file.joints = self->joints;
   self->file.n = self->n;
   self->file.touch = (PetscBool)(self->strands[1] != NULL);
   self->file.each = self->output;
