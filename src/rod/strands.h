@@ -81,6 +81,13 @@ typedef struct {
   PetscInt zones;         /* stretches of the rod that touch what lies farther along it */
 } StrandSum;
 
+/* A zone where two rods touch: which, the labels of its middle on them, the force on the first, in
+   the laboratory, and the smallest gap. */
+typedef struct {
+  PetscInt rod[2];
+  PetscReal s[2], force[3], gap;
+} StrandPlace;
+
 PetscErrorCode StrandsCreate(Scene scene, Strands *strands);
 PetscErrorCode StrandsCreateSeveral(PetscInt n, const Scene scene[], StrandsMeet meet, void *ctx,
                                     Strands *strands);
@@ -94,6 +101,7 @@ PetscErrorCode StrandsLinearise(Strands strands, const StrandState *state, const
                                 PetscBool fresh, PetscInt *n, StrandSlope **slopes);
 PetscErrorCode StrandsHold(Strands strands, PetscReal seen, PetscReal *creep);
 void StrandsSum(Strands strands, PetscInt rod, StrandSum *sum);
+PetscErrorCode StrandsPlaces(Strands strands, PetscInt *n, StrandPlace **places);
 PetscInt StrandsFirst(Strands strands, PetscInt rod);
 PetscInt StrandsRod(Strands strands, PetscInt node);
 PetscInt StrandsDuals(Strands strands, FrictionDual **duals);

@@ -130,6 +130,9 @@ def order_changes_nothing_but_round_off():
     first, sums = several(rope(("bent", "bar", "tilted")))
     again, _ = several(rope(("tilted", "bent", "bar")))
     expect(sums["contact_force"][-1] > 0.1, f"they do not touch: {sums['contact_force'][-1]}")
+    slippery, _ = several(rope(("bent", "bar", "tilted")), "-contact_friction 0")
+    rubbed = np.abs(first["bent"][0] - slippery["bent"][0]).max()
+    expect(rubbed > 1e-4, f"friction between rods, the mean of both, changes nothing: {rubbed}")
     for name in RODS:
         off = np.abs(first[name][0] - again[name][0]).max()
         print(f"{name}: {off:.1e}")
@@ -149,7 +152,10 @@ def a_run_goes_on_in_contact_to_the_last_digit():
     again = subprocess.run([scene.TENDRIL, "-restart", str(part), "-quiet"], capture_output=True, text=True, env=scene.ENVIRONMENT)
     expect(again.returncode == 0 and not again.stderr, again.stderr)
     with h5py.File(whole) as a, h5py.File(part) as b:
-        for group in ("series", "rods/series", "shapes"):
+        expect(a["pairs/first"][-1] > 0 and (a["pairs/gap"][:] < 0.01).all(), "no pairs are stored")
+        press = np.linalg.norm(a["pairs/force"][:][a["pairs/first"][-2]:], axis=1).sum()
+        expect(0.9 < press / a["series/contact_force"][-1] < 1.2, f"pairs press by {press}")
+        for group in ("series", "rods/series", "shapes", "pairs"):
             for name in a[group]:
                 one, two = a[group][name][:], b[group][name][:]
                 expect(one.shape == two.shape and np.array_equal(one, two, equal_nan=True), f"{group}/{name} differs")
