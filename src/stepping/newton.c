@@ -117,15 +117,18 @@ static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
   shorter ones. The former are given up where the residual has been so many times that of the guess,
   so many times in a row (one that finds its way from far out of balance comes back from there), but
   not before the EARLIEST (the first are, of a rod that leaves a stiff wall), the latter where it
-  has not halved in so many.
+  has not halved in so many. What rests does not diverge: of a guess in balance to the last digit
+  residuals of 1e-10 are many times its own, where a short step makes speeds of round-off.
 */
-static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBool cut) {
+static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBool rests,
+                          PetscBool cut) {
   const PetscBool begins = (PetscBool)!it,
                   halves = (PetscBool)(residual <= step_rule.stalls * self->halved);
 
   if (begins || halves) self->halved = residual;
   self->stalled = begins || halves ? 0 : self->stalled + 1;
-  self->diverges = !begins && residual > step_rule.diverges * self->guess ? self->diverges + 1 : 0;
+  self->diverges =
+      !begins && !rests && residual > step_rule.diverges * self->guess ? self->diverges + 1 : 0;
   return (PetscBool)(RodTouches(self->rod) &&
                      (cut ? self->stalled >= step_rule.stalls_iterations
                           : it >= step_rule.diverges_earliest &&
@@ -253,7 +256,8 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
                         (double)left, (double)rate, (double)residual[ALONG],
                         (double)residual[ACROSS_2]));
   }
-  hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(part < whole));
+  hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(followed <= floor),
+                      (PetscBool)(part < whole));
   if (!*reason && hopeless) *reason = SNES_DIVERGED_LINE_SEARCH;
   if (*reason > 0) PetscCall(KeepForces(self, F));
   if (*reason > 0 && RodSticks(self->rod) && self->rod->model->hold)
