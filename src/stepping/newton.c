@@ -365,11 +365,12 @@ static PetscErrorCode MatrixAsked(TS ts, PetscBool *wanted) {
 static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   const RodEnds ends = RodEndsOf(rod);
   PetscMPIInt ranks;
+  PetscInt halves[2];
 
   PetscFunctionBegin;
+  LearnedHalves(rod, halves);
   PetscCallMPI(MPI_Comm_size(rod->comm, &ranks));
-  *has = (PetscBool)(rod->model->eliminate && !LearnedExtra(rod) &&
-                     EliminationCan(rod->model->halves, ranks) && ends.clamped &&
+  *has = (PetscBool)(rod->model->eliminate && EliminationCan(halves, ranks) && ends.clamped &&
                      (ranks == 1 || !ends.tip_held));
   PetscFunctionReturn(0);
 }
@@ -414,13 +415,16 @@ static PetscErrorCode SolverOf(TS ts, KSP *ksp, PC *pc) {
   PetscFunctionReturn(0);
 }
 
-/* What eliminates the equations of one rod, or of several that do not see each other. */
-static PetscErrorCode CreateElimination(Rod rod, Elimination *elimination) {
-  PetscInt *nodes;
+/* What eliminates the equations of one rod, or of several that do not see each other; counts: to
+   count modes alone. */
+static PetscErrorCode CreateElimination(Rod rod, PetscBool counts, Elimination *elimination) {
+  PetscInt *nodes, halves[2];
 
   PetscFunctionBegin;
+  LearnedHalves(rod, halves);
   if (!rod->at) {
-    PetscCall(EliminationCreate(rod->comm, rod->end - rod->first, rod->model->halves, elimination));
+    PetscCall(EliminationCreate(rod->comm, rod->end - rod->first,
+                                counts ? rod->model->halves : halves, elimination));
     PetscFunctionReturn(0);
   }
   PetscCall(PetscMalloc1(rod->rods, &nodes));
@@ -432,7 +436,8 @@ static PetscErrorCode CreateElimination(Rod rod, Elimination *elimination) {
 
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
    feels the spin of a rod modes are counted in another one (rod/space_cells.h), and so they are
-   where a tip is held at rest, whose last cell else had no friction at one end alone. */
+   where a tip is held at rest, whose last cell else had no friction at one end alone, and where
+   growth feels force. */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   Rod rod = newton->rod;
   PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;
@@ -440,7 +445,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(CreateElimination(rod, &newton->elimination));
+  PetscCall(CreateElimination(rod, PETSC_FALSE, &newton->elimination));
   PetscCall(MatCreateShell(rod->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(SolverOf(ts, &ksp, &pc));
@@ -448,8 +453,8 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
     PetscCall(LearnedSetType(pc, rod, newton->elimination));
   else
     PetscCall(EliminationSetType(pc, newton->elimination));
-  if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests)
-    PetscCall(CreateElimination(rod, &newton->counter));
+  if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests || LearnedExtra(rod))
+    PetscCall(CreateElimination(rod, PETSC_TRUE, &newton->counter));
   PetscFunctionReturn(0);
 }
 
@@ -497,7 +502,7 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
       PetscCall(SetBlockLU(ts, newton));
     else
       PetscCall(RodCreateMatrix(rod, &newton->J));
-    if (counts) PetscCall(CreateElimination(rod, &newton->counter));
+    if (counts) PetscCall(CreateElimination(rod, PETSC_TRUE, &newton->counter));
   }
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, Jacobian, newton));
   PetscFunctionReturn(0);
