@@ -9,6 +9,7 @@ enum { TROPISM_BENDS = 2 }; /* about d3, that of the plane, and about d2 */
 
 typedef struct {
   PetscBool any;            /* there is such a curvature */
+  PetscBool learns;         /* ... and it does not stay 0 */
   PetscReal gravity, light; /* b, b_l */
   PetscReal direction[3];   /* of gravity's pull, of length 1; in the clamp's frame, as is */
   PetscReal source[3];      /* the place of the lamp */
