@@ -312,7 +312,8 @@ def panel_space(ax, r, view):
     drawn = [c for c in ax.collections if isinstance(c, Rods)]  # of the runs before, in an overlay
     rods = drawn[0] if drawn else ax.add_collection(Rods(zorder=3), autolim=False)
     rods.set_strands(rods.strands + strands)
-    ax.plot(*(unit * lift(r, r.stored(0)).x[:1].T), "ks", ms=3, zorder=4)
+    if "clamp_on" not in r.options:  # else a rod carries it, and no clamp is there
+        ax.plot(*(unit * lift(r, r.stored(0)).x[:1].T), "ks", ms=3, zorder=4)
     beside = [] if view.overlay else [one for one in view.results if one is not r]  # their panels have the same box
     others = [view.of(one).of("length", lift(one, shape_of(one, t)).x) for one in beside for t in view.times_of(one)]
     low, high = box_of(np.concatenate([np.zeros((1, 3)), *(s.x for s in rods.strands), *others]))

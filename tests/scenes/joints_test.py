@@ -3,6 +3,7 @@
 
     joints_test.py build/tendril CHECK...      (no CHECK: all of them)"""
 
+import re
 import shlex
 import subprocess
 import sys
@@ -206,6 +207,29 @@ def a_tree_that_was_stopped_goes_on_to_the_last_digit():
         for group in ("series", "rods/series", "shapes"):
             for name in a[group]:
                 expect(np.array_equal(a[group][name][:], b[group][name][:], equal_nan=True), f"{group}/{name} differs")
+
+
+KINDS = {"stem": {"rod_curvature": 0.5}, "ball": {"clamp_on": "stem", "clamp_at": 0.4, "clamp_angle": 0.7, "clamp_azimuth": 0.5, "clamp_type": "ball",
+                                                  "friction_radius": 0.1},
+         "hinge": {"clamp_on": "stem", "clamp_at": 0.4, "clamp_angle": -1.2, "clamp_type": "hinged", "clamp_axis": "1,1,1"},
+         "weld": {"clamp_on": "hinge", "clamp_angle": 0.3, "clamp_spin": 1}, "held": {"clamp_place": "3,0,0", "rod_curvature": 1},
+         "tied": {"clamp_place": "3,0,0", "rod_curvature": 1, "tip_on": "held"},
+         "pin": {"clamp_place": "3,0,0", "rod_curvature": 1, "tip_on": "held", "tip_type": "pinned"}}
+
+
+@check
+def the_matrix_is_the_derivative_of_the_equations():
+    """Of joints of all kinds, as differences have it."""
+    shared = STATIC | {"rod_cells": 4, "friction_layers": "0:1", "ts_max_time": 0.02, "rod_weight": "0,0.3,-1"}
+    path = Path(scene.SCRATCH) / "kinds.opts"
+    path.write_text("".join(f"-{key} {value}\n" for key, value in shared.items()) + "".join(
+        f"[rod {rod}]\n" + "".join(f"-{key} {value}\n" for key, value in own.items()) for rod, own in KINDS.items()))
+    done = subprocess.run([scene.TENDRIL, "-options_file", str(path), *shlex.split("-ts_adapt_type none -ts_dt 0.01 -snes_test_jacobian")],
+                          capture_output=True, text=True, env=scene.ENVIRONMENT)
+    expect(done.returncode == 0, done.stderr)
+    off = [float(value) for value in re.findall(r"Jfd\|\|_F/\|\|J\|\|_F = (\S+),", done.stdout)]
+    print(f"{len(off)} matrices, off by {max(off):.1e}")
+    expect(len(off) > 2 and max(off) < 5e-8, off)
 
 
 REFUSED = [  # (lines of a scene, what is said)
