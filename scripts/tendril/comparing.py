@@ -68,16 +68,30 @@ def shape_at(r: Results, t):
     return np.tensordot(weights, r.shapes.x[first:first + 4], 1)
 
 
+NEWTON = 6  # iterations, from where a stretch that is even in the cell would have it
+
+
 def angles_behind(r: Results, distance):
     """[times of the shapes], the rod's angle so far behind its tip, as the run counts lengths: at the label s where the arc
     length p = int_0^s g ds is L - distance. Of a shorter rod that at the clamp."""
     if distance == 0:
         return r.shapes.theta[:, -1]
-    s, found = r.shapes.s, []
-    for theta, g in zip(r.shapes.theta, r.shapes.stretch):
-        p = CubicSpline(s, g).antiderivative()(s)
-        found.append(CubicSpline(p, theta)(max(p[-1] - distance, 0.0)))
-    return np.array(found)
+    s, theta, every = r.shapes.s, CubicSpline(r.shapes.s, r.shapes.theta.T), np.arange(len(r.shapes.t))
+    length = CubicSpline(s, r.shapes.stretch.T).antiderivative()
+    p = length(s)
+    asked = np.maximum(p[-1] - distance, 0.0)
+    cell = (p[1:-1] <= asked).sum(axis=0)
+    quartic, cubic, width = length.c[:, cell, every], theta.c[:, cell, every], np.diff(s)[cell]
+    beyond = (asked - p[cell, every]) / (p[cell + 1, every] - p[cell, every]) * width  # of its first node; g varies little in a cell
+    for _ in range(NEWTON):
+        off, slope = np.zeros_like(asked), np.zeros_like(asked)
+        for c in quartic:
+            off, slope = off * beyond + c, slope * beyond + off
+        beyond = np.clip(beyond - (off - asked) / slope, 0, width)
+    found = np.zeros_like(asked)
+    for c in cubic:
+        found = found * beyond + c
+    return found
 
 
 def finer(x):

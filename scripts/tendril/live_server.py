@@ -26,6 +26,7 @@ from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
 from .command import Parser
+from .dropped import Parts
 from .errors import TendrilError
 from .outbox import Outbox
 from .playing import prepare, save_scene
@@ -65,6 +66,7 @@ class Server:
         self.loop = None
         self.runs, self.starting = 0, threading.Lock()
         self.codes: set[str] = set()  # that open the page once
+        self.dropped: dict[str, Path] = {}  # files of walls that were dropped on the page, by the names they have there
 
     @property
     def address(self):
@@ -232,7 +234,7 @@ class OnePage:
     def __init__(self, server, socket, number):
         self.server, self.socket, self.number = server, socket, number
         self.outbox, self.wake = Outbox(), asyncio.Event()
-        self.fault = None
+        self.fault, self.parts = None, Parts()
 
     def greet(self):
         """All there is, for a page that has just come, or for another run."""
@@ -272,7 +274,7 @@ class OnePage:
         if self.server.study is not None:
             self.take({"kind": "refused", "text": "it is only looked at", "command": {}})
             return
-        if command["do"] in ("start", "draw", "home"):
+        if command["do"] in ("start", "draw", "home", "file"):
             asyncio.ensure_future(self.begin(command))
         elif self.server.session is None:
             self.take({"kind": "refused", "text": "nothing runs yet", "command": command})
@@ -283,11 +285,16 @@ class OnePage:
 
     async def begin(self, command):
         try:
+            if command["do"] == "file":
+                command["whole"] = self.parts.take(command)
+                if command["whole"] is None:
+                    return
             answer = await asyncio.get_running_loop().run_in_executor(None, begin, self.server, command)
             if answer:
                 self.take(answer)
         except (TendrilError, OSError, ValueError, TypeError, KeyError) as fault:
-            self.take({"kind": "refused", "text": str(fault), "command": {"do": command["do"]}, "field": getattr(fault, "field", None)})
+            self.take({"kind": "refused", "text": str(fault), "command": {"do": command["do"]},
+                       "field": "file" if command["do"] == "file" else getattr(fault, "field", None)})
 
 
 def page_text(token):

@@ -4,6 +4,7 @@ it has. It knows nothing of who looks at it: what there is to see goes to a func
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import os
 import queue
 import shutil
@@ -124,7 +125,7 @@ class Session:
         r = self.setup
         units = laboratory_units([replace(r, series=self.typical())])
         return {"kind": "scene", "name": self.played.name, "space": self.space, "flat": not self.space, "controls": self.controls,
-                "walls": drawn_walls(self), "diameter": float(r.diameter), "leads": may_lead_tip(self.played),
+                "walls": drawn_walls(self), "diameter": float(r.diameter), "reach": float(self.typical()["length"][-1]), "leads": may_lead_tip(self.played),
                 "pulls": self.played.held == "free", "lamp": self.lamp_at is not None, "posts": len(self.played.posts), "charts": charts_of([r]),
                 "labels": {n: plain(name_of(n)) for n in self.names}, "symbols": {n: plain(symbol_of(n)) for n in self.names},
                 "factors": {unit: in_laboratory(unit, r.scale)[0] / si for unit, (_, si) in units.items()},
@@ -257,6 +258,10 @@ class Session:
         if self.lamp_at is None:
             raise TendrilError("there is no lamp in this run")
         place = self.place(command)
+        with self.lock:
+            off = np.linalg.norm(self.sim.nodes["x"] - [*place, 0.0][:3], axis=1).min()
+        if off < max(0.5 * float(self.setup.diameter), 1e-3 * self.sim.series["length"][-1]):
+            raise TendrilError("the lamp would stand on the rod, where there is no direction to it; put it beside")
         self.change("tropism_source", ",".join(map(repr, place)))
         self.lamp = [*place, 0.0][:3]
 
@@ -399,6 +404,7 @@ class Session:
         file = self.directory / f"state-{self.states}.h5"
         with self.lock:
             self.sim.save(file)
+        give_back()
         self.branch.kept.append((self.sim.t, file))
         self.forget()
         if self.so_far:
@@ -736,6 +742,12 @@ def drawn_walls(session):
                         "lines3": [np.round(np.ravel(edge), 5).tolist() for piece in pieces for edge in piece.lines]}
         found.append(one)
     return found
+
+
+def give_back():
+    """To the system, what writing a long run has taken for a moment: this thread would keep it, the more the longer the run."""
+    with contextlib.suppress(AttributeError, OSError, TypeError):  # where the library of C has no such call
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 def set_in(sim, what, value):

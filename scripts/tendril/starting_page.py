@@ -9,12 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
+from .dropped import made
 from .errors import RunError, TendrilError
 from .playing import NUMBER, prepare
 from .runs import CHECKOUT
 
 # what a run by steps cannot do, or takes too long for a first look
-LEFT_OUT = re.compile(r"critical|stability|paper|injected|seedlings")
+LEFT_OUT = re.compile(r"critical|stability|paper|injected")
+SECTION = re.compile(r"^\s*\[", re.MULTILINE)  # of several rods, which a run by steps does not have
 # (option, label, usual, unit, what it does)
 FIELDS = (
     ("si_bending_stiffness", "bending stiffness", "1e-5", "N m²", "of the rod: Young's modulus times the second moment of area"),
@@ -36,7 +38,7 @@ circle 6cm 1.1cm 8mm outside
 circle 9cm -1.1cm 8mm outside
 """
 # of walls; another word would name a file, and none of the host's is read for a page
-WORDS = frozenset("plane circle polygon path sphere cylinder cone torus tube inside outside friction radius moves turns at spin about".split())
+WORDS = frozenset("plane circle polygon path sphere cylinder cone torus tube body inside outside friction radius moves turns at spin about".split())
 
 
 class FieldError(TendrilError):
@@ -50,7 +52,7 @@ class FieldError(TendrilError):
 def scenes() -> dict[str, Path]:
     """Scenes of the gallery by name."""
     for place in (Path(__file__).parent / "options", CHECKOUT / "options"):
-        found = {file.stem: file for file in sorted(place.glob("*.opts")) if not LEFT_OUT.search(file.stem)}
+        found = {file.stem: file for file in sorted(place.glob("*.opts")) if not LEFT_OUT.search(file.stem) and not SECTION.search(file.read_text(errors="replace"))}
         if found:
             return found
     return {}
@@ -87,8 +89,10 @@ def first_scene() -> dict:
                        for name, label, value, unit, about in FIELDS], "walls": WALLS}
 
 
-def options_of(form, directory) -> dict:
-    """The options that the form says; a mistake names its field."""
+def options_of(form, directory, dropped={}) -> dict:
+    """The options that the form says; a mistake names its field.
+
+    dropped  files of walls by the names that they have in the form"""
     options = {}
     for name, label, _, unit, _ in FIELDS:
         text = str(form.get(name, "")).strip()[:60]
@@ -109,11 +113,11 @@ def options_of(form, directory) -> dict:
     if any(line.partition("#")[0].split() for line in walls.splitlines()):
         for k, line in enumerate(walls.splitlines(), 1):
             for word in line.partition("#")[0].replace(",", " ").split():
-                if word not in WORDS and not re.fullmatch(rf"{NUMBER.pattern}([a-zA-Zµ°]+([/^]-?\w+)*)?", word):
-                    raise FieldError(f"walls, line {k}: {word[:40]!r} is neither a number nor a word of a wall; walls that lie in files of "
-                                     "their own are for the command line: -wall_file, and tendril-py live SCENE", "walls")
+                if word not in WORDS and word not in dropped and not re.fullmatch(rf"{NUMBER.pattern}([a-zA-Zµ°]+([/^]-?\w+)*)?", word):
+                    raise FieldError(f"walls, line {k}: {word[:40]!r} is neither a number nor a word of a wall, nor a file that was dropped here",
+                                     "walls")
         file = Path(directory) / "walls.txt"
-        file.write_text(walls)
+        file.write_text("\n".join(" ".join(str(dropped.get(word, word)) for word in line.split(" ")) for line in walls.split("\n")) + "\n")
         options["wall_file"] = str(file)
     else:
         options.pop("contact_diameter", None)
@@ -139,7 +143,7 @@ def drawing(options) -> dict:
         session = Session(played, directory)
         sim, r = session.sim, session.setup
         length = r.scale("length") if "si_length" in r.attributes else 1.0
-        return {"kind": "drawn", "x": np.ravel(np.round(sim.nodes["x"][:, :2], 8)).tolist(), "walls": drawn_walls(session), "diameter": float(r.diameter),
+        return {"kind": "drawn", "x": np.ravel(np.round(sim.nodes["x"], 8)).tolist(), "space": session.space, "walls": drawn_walls(session), "diameter": float(r.diameter),
                 "length": length, "end": float(r.attributes.get("parameters/ts_max_time", 0)), "cells": len(sim.s) - 1,
                 "told": told(r)}
 
@@ -172,17 +176,29 @@ def begin(server, command):
         if name not in scenes():
             raise TendrilError(f"{name[:60]}: is no scene of the gallery")
         server.start(scenes()[name], posts=posts_of(command))
-        return None
+        return run_now(server)
     directory = Path(server.directory.name) / f"form-{server.runs}"
     directory.mkdir(exist_ok=True)
+    if command["do"] == "file":
+        try:
+            found = made(directory, command, command["whole"])
+        except TendrilError as fault:
+            raise TendrilError(str(fault).replace(f"{directory}/", "")) from None
+        server.dropped[found["name"]] = found.pop("path")
+        return found
     form = command.get("form")
     if not isinstance(form, dict):
         raise TendrilError("there is no form")
-    options = options_of(form, directory)
+    options = options_of(form, directory, server.dropped)
     try:
         if command["do"] == "draw":
             return drawing(options)
         server.start(None, posts=posts_of(command), **options)
     except RunError as fault:
         raise FieldError(str(fault), field_of(str(fault))) from None
-    return None
+    return run_now(server)
+
+
+def run_now(server):
+    """What was chosen on the page to begin from runs at once."""
+    server.session.do({"do": "run"})

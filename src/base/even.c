@@ -28,9 +28,10 @@ void EvenCoefficients(PetscInt n, const PetscReal f[], PetscReal work[], PetscRe
   }
 }
 
-/* EvenEvaluate - the splines at a place between 0 and n - 1, in which value i is at i; outside, the
-   cubics of the ends go on. */
-void EvenEvaluate(PetscInt n, PetscReal at, EvenSplines *splines) {
+/* EvenValues - the splines at a place between 0 and n - 1, in which value i is at i; outside, the
+   cubics of the ends go on. Their derivatives are left as they are. Returns where in its cell the
+   place is. */
+PetscReal EvenValues(PetscInt n, PetscReal at, EvenSplines *splines) {
   const PetscReal cell = PetscMax(0, PetscMin(n - 2, PetscFloorReal(at)));
   const PetscReal b = at - cell, a = 1 - b;
 
@@ -39,6 +40,13 @@ void EvenEvaluate(PetscInt n, PetscReal at, EvenSplines *splines) {
   splines->value[1] = (4 + 3 * b * b * (b - 2)) / 6;
   splines->value[2] = (4 + 3 * a * a * (a - 2)) / 6;
   splines->value[3] = b * b * b / 6;
+  return b;
+}
+
+/* EvenEvaluate - the same with their derivatives. */
+void EvenEvaluate(PetscInt n, PetscReal at, EvenSplines *splines) {
+  const PetscReal b = EvenValues(n, at, splines), a = 1 - b;
+
   splines->slope[0] = -a * a / 2;
   splines->slope[1] = b * (3 * b - 4) / 2;
   splines->slope[2] = -a * (3 * a - 4) / 2;

@@ -15,6 +15,7 @@ typedef struct {
 } EvenSplines;
 
 void EvenCoefficients(PetscInt n, const PetscReal f[], PetscReal work[], PetscReal c[]);
+PetscReal EvenValues(PetscInt n, PetscReal at, EvenSplines *splines);
 void EvenEvaluate(PetscInt n, PetscReal at, EvenSplines *splines);
 
 #endif

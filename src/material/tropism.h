@@ -9,7 +9,6 @@ enum { TROPISM_BENDS = 2 }; /* about d3, that of the plane, and about d2 */
 
 typedef struct {
   PetscBool any;            /* there is such a curvature */
-  PetscBool learns;         /* ... and it does not stay 0 */
   PetscReal gravity, light; /* b, b_l */
   PetscReal direction[3];   /* of gravity's pull, of length 1; in the clamp's frame, as is */
   PetscReal source[3];      /* the place of the lamp */
@@ -39,6 +38,12 @@ PetscErrorCode TropismChange(Tropism *tropism, const char *name, const PetscReal
 PetscReal TropismDriveAt(const Tropism *tropism, const TropismPlace *at, int bend, PetscReal t,
                          PetscReal signal, PetscReal u0, PetscReal elastic);
 PetscReal TropismNearLamp(const Tropism *tropism, const PetscReal from[3], const PetscReal to[3]);
+
+/* Does the material bend by itself at all? (Beside growth that feels force `any` holds without.) */
+static inline PetscBool TropismLearns(const Tropism *law) {
+  return (PetscBool)(law->senses || law->proprioception > 0 || law->ironing > 0 ||
+                     law->nutation[0] != 0 || law->nutation[1] != 0);
+}
 
 /* The clock a of the law: how fast the material there stretches, or the rate that is given. */
 static inline PetscReal TropismClock(const Tropism *tropism, Growth growth, PetscReal s,

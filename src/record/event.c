@@ -1,6 +1,7 @@
 #include "record/event.h"
 #include "rod/directors.h"
 #include "base/blocks.h"
+#include <string.h>
 
 static const OptionRow rows[] = {
     ROW_REAL(
@@ -164,12 +165,12 @@ static PetscErrorCode LookForContact(Observer observer, Scene scene, PetscReal t
 
 /* The force by which the rod is pushed along itself at a node, -n.q. */
 static PetscReal PushAt(PetscBool space, const Node *node) {
-  const PetscReal *n = node->force, *m = node->n3, theta = node->theta;
+  const PetscReal *n = node->force, theta = node->theta;
   PetscReal d[3][3];
 
   if (!space) return -n[0] * PetscCosReal(theta) - n[1] * PetscSinReal(theta);
   Directors(node->p, QuaternionSize(node->p), d);
-  return -Dot3(m, d[0]);
+  return -Dot3(n, d[0]);
 }
 
 /*
@@ -190,11 +191,6 @@ PetscReal PushLargest(PetscBool space, PetscInt cells, const Node *nodes, PetscI
   return push;
 }
 
-/* Where a node is, in the clamp's frame. */
-static void PlaceOf(Scene scene, const Node *node, PetscReal x[3]) {
-  for (int d = 0; d < 3; d++) x[d] = scene->space.rod ? node->x3[d] : d < 2 ? node->x[d] : 0;
-}
-
 /* Is the rod pushed as hard as that? */
 static void LookForPush(Scene scene, const Node *nodes, PetscReal bound, Event *event) {
   PetscInt nodes_n, where = 0;
@@ -203,7 +199,7 @@ static void LookForPush(Scene scene, const Node *nodes, PetscReal bound, Event *
   if (PushLargest(scene->space.rod, nodes_n - 1, nodes, &where) < bound) return;
   event->kind = EVENT_FORCE;
   event->s[0] = event->s[1] = s[where];
-  PlaceOf(scene, &nodes[where], event->x);
+  memcpy(event->x, nodes[where].x, sizeof(event->x));
 }
 
 /*
@@ -227,7 +223,7 @@ PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, Pet
     if (PetscAbsReal(nodes[i].theta) >= watch->bound[EVENT_ANGLE]) {
       event->kind = EVENT_ANGLE;
       event->s[0] = event->s[1] = s[i];
-      PlaceOf(scene, &nodes[i], event->x);
+      memcpy(event->x, nodes[i].x, sizeof(event->x));
     }
   if (watch->watched[EVENT_FORCE] && !event->kind)
     LookForPush(scene, nodes, watch->bound[EVENT_FORCE], event);
@@ -240,7 +236,7 @@ PetscErrorCode WatchLook(const Watch *watch, Observer observer, Scene scene, Pet
     event->kind = EVENT_STALL;
   if (event->kind == EVENT_LENGTH || event->kind == EVENT_STALL) {
     event->s[0] = event->s[1] = 1;
-    PlaceOf(scene, &nodes[last], event->x);
+    memcpy(event->x, nodes[last].x, sizeof(event->x));
   }
   event->t = t;
   PetscFunctionReturn(0);

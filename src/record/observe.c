@@ -178,7 +178,7 @@ static PetscReal AxialDrop(const Observer self, const Piece *piece) {
   if (piece->end < piece->first) return 0;
   for (int end = 0; end < 2; end++) {
     const Node *node = &piece->node[end ? piece->end - piece->first : 0];
-    const PetscReal n1 = self->space ? node->n3[0] : node->force[0];
+    const PetscReal n1 = node->force[0];
     if (!end && !piece->first) drop += n1;
     if (end && piece->end == self->nodes - 1) drop -= n1;
   }

@@ -8,7 +8,7 @@
 
 /* What a length of material costs: n.d1 + (u - u0).S(u - u0)/2 + u0.S(u - u0). */
 static PetscReal Tension3(const Sample3 *p) {
-  PetscReal sum = Dot3(p->node.n3, p->d[0]);
+  PetscReal sum = Dot3(p->node.force, p->d[0]);
   for (int k = 0; k < 3; k++) sum += p->moment[k] * (p->moment[k] / p->law.S[k] / 2 + p->law.u0[k]);
   return sum;
 }
@@ -29,7 +29,7 @@ static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observat
   const PetscBool steered = scene->curvature.steered;
   PetscReal lab[3], bending = 0, growth = 0;
 
-  SceneToLab(scene, p->node.x3, lab);
+  SceneToLab(scene, p->node.x, lab);
   for (int k = 0; k < 3; k++) {
     PetscReal elastic = PetscSqr(p->moment[k]) / p->law.S[k] / 2;
     bending += elastic;
@@ -39,7 +39,7 @@ static void Integrate3(Scene scene, const Sample3 *p, PetscReal weight, Observat
   if (scene->tropism.any) {
     sum->natural_angle += dl * p->law.u0[2];
     sum->natural_angle_2 += dl * p->law.u0[1];
-    sum->natural_bend += dl * (PetscSqr(p->law.u0[1]) + PetscSqr(p->law.u0[2]));
+    sum->natural_bend += dl * Dot2(From2(p->law.u0 + 1), From2(p->law.u0 + 1));
     sum->tropism_power -= dl * Dot3(p->moment, p->drive);
     sum->ironing_power -= dl * Dot3(p->moment, p->ironing);
   }
@@ -101,7 +101,7 @@ static PetscReal PowerOf(const Sample3 *p) {
   PetscReal omega[3];
 
   Omega(p, 0, omega);
-  return Dot3(p->node.n3, p->node.x3_t) + Dot3(p->node.m3, omega);
+  return Dot3(p->node.force, p->node.x_t) + Dot3(p->node.m3, omega);
 }
 
 static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
@@ -109,7 +109,7 @@ static void MeasureClamp3(Scene scene, const Sample3 *p, Observation *seen) {
 
   seen->feed_force = -Tension3(p);
   seen->growth_power += p->law.c * seen->feed_force;
-  SceneToLab(scene, p->node.n3, lab);
+  SceneToLab(scene, p->node.force, lab);
   Times3(-1, lab, lab);
   Split3(lab, &seen->base_force_1, &seen->base_force_2, &seen->base_force_3);
   SceneToLab(scene, p->node.m3, lab);
@@ -127,14 +127,14 @@ static void MeasureTip3(Scene scene, const Sample3 *p, const PetscReal contact[P
   Omega(p, p->law.c, omega);
   seen->tip_speed = Size3(p->at.v);
   seen->tip_spin = p->spin;
-  seen->tip_power = Dot3(tip->n3, p->at.v) - Dot3(contact, p->at.v) + Dot3(tip->m3, omega) -
+  seen->tip_power = Dot3(tip->force, p->at.v) - Dot3(contact, p->at.v) + Dot3(tip->m3, omega) -
                     contact[SPIN] * p->spin;
   seen->tip_angle = tip->theta;
-  SceneToLab(scene, tip->x3, lab);
+  SceneToLab(scene, tip->x, lab);
   seen->end_distance = Size3(lab);
-  ScenePlaceToLab(scene, tip->x3, lab);
+  ScenePlaceToLab(scene, tip->x, lab);
   Split3(lab, &seen->tip_x1, &seen->tip_x2, &seen->tip_x3);
-  for (int d = 0; d < 3; d++) force[d] = tip->n3[d] - contact[d];
+  for (int d = 0; d < 3; d++) force[d] = tip->force[d] - contact[d];
   SceneToLab(scene, force, lab);
   Split3(lab, &seen->tip_force_1, &seen->tip_force_2, &seen->tip_force_3);
 }
@@ -146,7 +146,7 @@ static void MeasureMiddle3(PetscReal z, const Sample3 *a, const Sample3 *mid, co
 
   CurveParabola(z, w, NULL);
   for (int d = 0; d < 3; d++) {
-    const PetscReal x_at[3] = {a->node.x3[d], mid->node.x3[d], b->node.x3[d]},
+    const PetscReal x_at[3] = {a->node.x[d], mid->node.x[d], b->node.x[d]},
                     v_at[3] = {a->at.v[d], mid->at.v[d], b->at.v[d]};
     x[d] = CurveSum(w, x_at);
     v[d] = CurveSum(w, v_at);

@@ -30,9 +30,9 @@ static void Fill(PetscReal t, const SampleLaw *law, Sample3 *p) {
   p->turns = QuaternionSpin(node->p, size, node->p_t);
   p->at.t = t;
   for (int k = 0; k < 3; k++) {
-    p->at.x[k] = node->x3[k];
+    p->at.x[k] = node->x[k];
     p->at.q[k] = p->d[0][k];
-    p->at.v[k] = node->x3_t[k] + p->law.c * p->d[0][k];
+    p->at.v[k] = node->x_t[k] + p->law.c * p->d[0][k];
   }
 }
 
@@ -44,7 +44,7 @@ static void Learned3(Scene scene, PetscReal t, const NodeLearned *learned, Sampl
   TropismPlace at;
 
   for (int d = 0; d < 3; d++) {
-    at.x[d] = p->node.x3[d];
+    at.x[d] = p->node.x[d];
     at.d2[d] = p->d[1][d];
     at.d3[d] = p->d[2][d];
   }
@@ -91,11 +91,13 @@ static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscRe
   for (int i = 0; i < 3; i++) {
     int j = (i + 1) % 3, l = (i + 2) % 3;
     d1_t[i] = Dot4(D[i], n->p_t);
-    mid->x3[i] += CurveMidOf(k * p->law.g, n->x3[i], q[i]);
-    mid->x3_t[i] += CurveMidOf(k, n->x3_t[i], p->law.g_t * q[i] + p->law.g * d1_t[i]);
-    mid->m3[i] += CurveMidOf(-k * p->law.g, n->m3[i],
-                             q[j] * n->n3[l] - q[l] * n->n3[j] - (p->F[SPIN] - push[SPIN]) * q[i]);
-    mid->n3[i] += CurveMidOf(k * p->law.g, n->n3[i], p->F[i] - push[i] - scene->load.weight[i]);
+    mid->x[i] += CurveMidOf(k * p->law.g, n->x[i], q[i]);
+    mid->x_t[i] += CurveMidOf(k, n->x_t[i], p->law.g_t * q[i] + p->law.g * d1_t[i]);
+    mid->m3[i] +=
+        CurveMidOf(-k * p->law.g, n->m3[i],
+                   q[j] * n->force[l] - q[l] * n->force[j] - (p->F[SPIN] - push[SPIN]) * q[i]);
+    mid->force[i] +=
+        CurveMidOf(k * p->law.g, n->force[i], p->F[i] - push[i] - scene->load.weight[i]);
   }
   *turns += CurveMidOf(
       k, p->turns,
@@ -120,7 +122,7 @@ PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
   AddEnd(scene, a, &rate[0], h / 8, &mid->node, &turns);
   AddEnd(scene, b, &rate[1], -h / 8, &mid->node, &turns);
   for (int i = 0; i < 3 && feet; i++) {
-    mid->node.n3[i] += h / 8 * (feet[AT_A][i] - feet[AT_B][i]);
+    mid->node.force[i] += h / 8 * (feet[AT_A][i] - feet[AT_B][i]);
     mid->node.m3[i] += h / 8 * (feet[AT_A][3 + i] - feet[AT_B][3 + i]);
   }
   Fill(t, law, mid);

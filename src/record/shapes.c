@@ -49,19 +49,17 @@ const ShapeSet *ShapeSets(Scene scene, int *n) {
 
 static void InPlane(Scene scene, const Node *node, const Material *at, LabNode *lab) {
   const PetscReal *x_t = node->x_t, q[3] = {PetscCosReal(node->theta), PetscSinReal(node->theta)},
-                  across[3] = {-q[1], q[0]}, x[3] = {node->x[0], node->x[1]},
-                  v[3] = {x_t[0] + at->c * q[0], x_t[1] + at->c * q[1]},
-                  n[3] = {node->force[0], node->force[1]};
+                  across[3] = {-q[1], q[0]}, v[3] = {x_t[0] + at->c * q[0], x_t[1] + at->c * q[1]};
 
   lab->theta = node->theta + scene->clamp_angle;
   lab->strain[2] = at->u0[2] + node->moment / at->S[2];
   lab->moment[2] = node->moment;
-  SceneToLab(scene, x, lab->x);
+  SceneToLab(scene, node->x, lab->x);
   SceneToLab(scene, v, lab->v);
   SceneToLab(scene, q, lab->d[0]);
   SceneToLab(scene, across, lab->d[1]);
   lab->d[2][2] = 1;
-  SceneToLab(scene, n, lab->force);
+  SceneToLab(scene, node->force, lab->force);
 }
 
 static void InSpace(Scene scene, const Node *node, const Material *at, LabNode *lab) {
@@ -70,14 +68,14 @@ static void InSpace(Scene scene, const Node *node, const Material *at, LabNode *
   Directors(node->p, QuaternionSize(node->p), d);
   for (int k = 0; k < 3; k++) {
     lab->strain[k] = at->u0[k] + Dot3(d[k], node->m3) / at->S[k];
-    v[k] = node->x3_t[k] + at->c * d[0][k];
+    v[k] = node->x_t[k] + at->c * d[0][k];
     SceneToLab(scene, d[k], lab->d[k]);
   }
   lab->bend = PetscSqrtReal(lab->strain[1] * lab->strain[1] + lab->strain[2] * lab->strain[2]);
   lab->theta = node->theta;
-  ScenePlaceToLab(scene, node->x3, lab->x);
+  ScenePlaceToLab(scene, node->x, lab->x);
   SceneToLab(scene, v, lab->v);
-  SceneToLab(scene, node->n3, lab->force);
+  SceneToLab(scene, node->force, lab->force);
   SceneToLab(scene, node->m3, lab->moment);
 }
 

@@ -100,6 +100,7 @@ static void MidOf(const Node *a, PetscReal h, const PetscReal g[], const PetscRe
 static PetscErrorCode SpotOf(const Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                              PetscInt i, int half, Spot *spot) {
   const Scene scene = self->scene;
+  const Growth growth = scene->growth;
   const PetscReal *s = self->s, h = half ? s[i + 1] - s[i] : 0;
   PetscReal g[2], g_t[2], theta = nodes[i].theta, weight = 4 * h / 6, strain, c;
   Vector2 x = From2(nodes[i].x), x_t = From2(nodes[i].x_t);
@@ -107,14 +108,14 @@ static PetscErrorCode SpotOf(const Touching self, PetscReal t, const Node *nodes
   PetscFunctionBegin;
   *spot = (Spot){.s = half ? (s[i] + s[i + 1]) / 2 : s[i]};
   if (half) {
-    PetscCall(GrowthStretch(scene->growth, 2, &s[i], t, g, g_t, NULL));
+    PetscCall(GrowthStretch(growth, 2, &s[i], t, g, g_t, NULL));
     PetscCall(Bow(self, t, nodes, i, g, &theta));
     theta += (nodes[i].theta + nodes[i + 1].theta) / 2;
     MidOf(&nodes[i], h, g, g_t, &x, &x_t);
   }
-  PetscCall(GrowthStretch(scene->growth, 1, &spot->s, t, g, g_t, NULL));
-  c = moves ? GrowthSlide(scene->growth, spot->s, t) : 0;
-  strain = GrowthStrain(scene->growth, spot->s, t, g_t[0]);
+  PetscCall(GrowthStretch(growth, 1, &spot->s, t, g, g_t, NULL));
+  c = moves ? GrowthSlide(growth, spot->s, t) : 0;
+  strain = GrowthStrain(growth, spot->s, t, g_t[0]);
   Put2(x, spot->x);
   Put2(Along2(x_t, c, (Vector2){PetscCosReal(theta), PetscSinReal(theta)}), spot->v);
   if (!half && i > 0) weight += (s[i] - s[i - 1]) / 6;
@@ -227,8 +228,8 @@ PetscErrorCode TouchingCell(Touching self, PetscInt i, const FootCell *cell, Tou
 /* Cell i, for its feet. */
 static PetscErrorCode FeetsCell(const Touching self, PetscReal t, const Node *nodes,
                                 PetscBool moves, PetscInt i, FootCell *cell) {
-  const Scene scene = self->scene;
   const PetscReal *at = self->s + i;
+  const Growth growth = self->scene->growth;
   CurveCell *curve = &cell->curve;
   PetscReal g_t[2];
 
@@ -237,9 +238,9 @@ static PetscErrorCode FeetsCell(const Touching self, PetscReal t, const Node *no
   curve->h = at[1] - at[0];
   cell->first = (PetscBool)(i == 0);
   cell->last = (PetscBool)(i == self->cells - 1);
-  PetscCall(GrowthStretch(scene->growth, 2, at, t, curve->g, g_t, NULL));
+  PetscCall(GrowthStretch(growth, 2, at, t, curve->g, g_t, NULL));
   for (int k = 0; k < FOOT_PARTS; k++)
-    curve->c[k] = GrowthSlide(scene->growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
+    curve->c[k] = GrowthSlide(growth, (at[k / 2] + at[(k + 1) / 2]) / 2, t);
   for (int e = 0; e < 2; e++) {
     const Node *node = &nodes[i + e];
     const Vector2 q = {PetscCosReal(node->theta), PetscSinReal(node->theta)};
@@ -306,12 +307,11 @@ static PetscReal AboutTangent(const Node *nodes, PetscInt point, const PetscReal
 /* What the rod's own strands do. */
 static PetscErrorCode OwnStrands(Touching self, PetscReal t, const Node *nodes, PetscBool moves,
                                  StrandsOn *on) {
-  const PetscBool space = self->space;
-  const PetscReal *u_t = space ? nodes[0].x3_t : nodes[0].x_t;
   const StrandState state = {.t = t,
                              .stride = NODE_VALUES,
-                             .u = space ? nodes[0].x3 : nodes[0].x,
-                             .u_t = moves ? u_t : NULL};
+                             .between = self->space ? 0 : NODE_BETWEEN,
+                             .u = nodes[0].x,
+                             .u_t = moves ? nodes[0].x_t : NULL};
 
   PetscFunctionBegin;
   PetscCall(StrandsSearch(self->strands, &state));

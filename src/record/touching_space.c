@@ -40,9 +40,9 @@ static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, con
     curve->g[e] = p->law.g;
     cell->spin[e] = p->spin;
     for (int d = 0; d < 3; d++) {
-      curve->x[e][d] = p->node.x3[d];
+      curve->x[e][d] = p->node.x[d];
       curve->q[e][d] = p->d[0][d];
-      curve->x_t[e][d] = p->node.x3_t[d];
+      curve->x_t[e][d] = p->node.x_t[d];
       curve->slope_t[e][d] = p->law.g_t * p->d[0][d] + p->law.g * Dot4(D[d], p_t);
     }
   }
@@ -70,7 +70,7 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
 
   PetscFunctionBegin;
   if (bound > contact->smooth) {
-    bound = ContactGap(3, contact, nodes[likely].x3, bound);
+    bound = ContactGap(3, contact, nodes[likely].x, bound);
     if (bound < sum->nearest) bound += round_off * PetscAbsReal(bound);
   }
   for (PetscInt i = 0; i <= cells; i++) {

@@ -57,7 +57,7 @@ typedef struct {
 } Motion;
 
 static inline void Between(const Motion *self, PetscInt i, PetscReal tau, PetscReal x[3]) {
-  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->from[i].x3[d] + tau * self->to[i].x3[d];
+  for (int d = 0; d < 3; d++) x[d] = (1 - tau) * self->from[i].x[d] + tau * self->to[i].x[d];
 }
 
 /* The sides r, q of segments i and j at a time, and the way o from one to the other. */
@@ -131,8 +131,8 @@ static PetscBool AreJoined(const Motion *self, PetscInt i, PetscInt j, PetscReal
   const PetscReal rounding = PetscSqr(1e-7 * length);
   PetscReal before[3], behind[3];
 
-  Minus3(self->from[i].x3, self->from[j].x3, before);
-  Minus3(self->to[i].x3, self->to[j].x3, behind);
+  Minus3(self->from[i].x, self->from[j].x, before);
+  Minus3(self->to[i].x, self->to[j].x, behind);
   return (PetscBool)(Dot3(before, before) < rounding && Dot3(behind, behind) < rounding);
 }
 
@@ -141,7 +141,7 @@ static PetscBool MeetAtJoint(const Motion *self, PetscInt i, PetscInt j) {
   PetscReal side[3];
 
   if (!self->of || self->of[i] == self->of[j]) return PETSC_FALSE;
-  Minus3(self->to[i + 1].x3, self->to[i].x3, side);
+  Minus3(self->to[i + 1].x, self->to[i].x, side);
   for (int k = 0; k < 4; k++)
     if (AreJoined(self, i + k / 2, j + k % 2, PetscSqrtReal(Dot3(side, side)))) return PETSC_TRUE;
   return PETSC_FALSE;
@@ -187,8 +187,8 @@ PetscErrorCode RodPassesItself(PetscInt n, const PetscInt *of, const Node *from,
   *passes = PETSC_FALSE;
   if (n < 4) PetscFunctionReturn(0);
   for (PetscInt i = 0; i < n; i++)
-    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x3[d] - from[i].x3[d]));
-  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x3, NULL, of, &line));
+    for (int d = 0; d < 3; d++) way = PetscMax(way, PetscAbsReal(to[i].x[d] - from[i].x[d]));
+  PetscCall(BlocksOfLine(3, n - 1, NODE_VALUES, to[0].x, NULL, of, &line));
   BlocksPairs(line, 2 * way, NULL, MeetMoving, &self);
   PetscCall(BlocksDestroy(&line));
   *passes = self.passes;

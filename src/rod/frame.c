@@ -26,7 +26,7 @@ typedef struct {
   PetscReal t;
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
-  Vec local[2];
+  Vec local, local_t;
   Law *law;                   /* of nodes a, mid, b of the cell */
   FrictionDual *dual[3];      /* likewise */
   const PetscReal (*push)[3]; /* what strands add to n' at all points of the rod; NULL: none */
@@ -110,7 +110,6 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
 /* The cell that is looked at, for its feet. */
 static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  const Point *end[2] = {cell->a, cell->b};
   CurveCell *curve = &of->curve;
 
   *of = (FootCell){.dims = 2, .curve = {.h = cell->h}, .moves = PETSC_TRUE};
@@ -121,11 +120,12 @@ static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
     of->weight[k] = k == 1 ? frame->mid_weight : frame->end_weight;
   }
   for (int e = 0; e < 2; e++) {
+    const Point *p = e ? cell->b : cell->a;
     curve->g[e] = cell->law[2 * e].g;
-    Put2(VelocitySlope(&cell->law[2 * e], end[e], cell->u_t[i + e][TH]), curve->slope_t[e]);
+    Put2(VelocitySlope(&cell->law[2 * e], p, cell->u_t[i + e][TH]), curve->slope_t[e]);
     Put2(From2(cell->u[i + e] + X1), curve->x[e]);
     Put2(From2(cell->u_t[i + e] + X1), curve->x_t[e]);
-    Put2(From2(end[e]->at.q), curve->q[e]);
+    Put2(From2(p->at.q), curve->q[e]);
   }
 }
 
@@ -211,8 +211,8 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
     cell->u = (const PetscReal(*)[FIELDS])rod->learned->u + 1 - rod->first;
     cell->u_t = (const PetscReal(*)[FIELDS])rod->learned->u_t + 1 - rod->first;
   } else {
-    PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
-    PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
+    PetscCall(RodOpen(rod, at->U, &cell->local, &cell->u));
+    PetscCall(RodOpen(rod, at->U_t, &cell->local_t, &cell->u_t));
   }
   if (frame->strands) PetscCall(StrandRowsLoad(rod, frame->strands, at, &cell->push, &couple));
   PetscCall(RodRecognise(at, &frame->seen, &cell->known));
@@ -226,8 +226,8 @@ static PetscErrorCode CellsOpen(Rod rod, const RodState *at, PetscBool from_tip,
 static PetscErrorCode CellsClose(Cell *cell) {
   PetscFunctionBegin;
   if (cell->rod->learned) PetscFunctionReturn(0);
-  PetscCall(RodClose(cell->rod, &cell->local[0], &cell->u));
-  PetscCall(RodClose(cell->rod, &cell->local[1], &cell->u_t));
+  PetscCall(RodClose(cell->rod, &cell->local, &cell->u));
+  PetscCall(RodClose(cell->rod, &cell->local_t, &cell->u_t));
   PetscFunctionReturn(0);
 }
 
@@ -950,14 +950,33 @@ static PetscErrorCode FrameRecalled(Rod rod) {
   PetscFunctionReturn(0);
 }
 
+/* Between a node and its unknowns. */
+static void PutNode(const Node *node, PetscReal u[FIELDS]) {
+  Put2(From2(node->x), u + X1);
+  u[TH] = node->theta;
+  u[M] = node->moment;
+  Put2(From2(node->force), u + N1);
+}
+
+static void GetNode(const PetscReal u[FIELDS], Node *node) {
+  Put2(From2(u + X1), node->x);
+  node->theta = u[TH];
+  node->moment = u[M];
+  Put2(From2(u + N1), node->force);
+}
+
+static void GetRates(const PetscReal u_t[FIELDS], Node *node) {
+  Put2(From2(u_t + X1), node->x_t);
+  node->theta_t = u_t[TH];
+}
+
 static PetscErrorCode FrameSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   const PetscInt fields = rod->model->fields;
   PetscReal *u;
 
   PetscFunctionBegin;
   PetscCall(VecGetArray(U, (PetscScalar **)&u));
-  for (PetscInt i = 0; i < rod->end - rod->first; i++)
-    PetscCall(PetscMemcpy(u + i * fields, &nodes[i], FIELDS * sizeof(*u)));
+  for (PetscInt i = 0; i < rod->end - rod->first; i++) PutNode(&nodes[i], u + i * fields);
   PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedSet(rod, nodes, U));
   if (!((Frame *)rod->data)->yields) PetscFunctionReturn(0);
@@ -985,15 +1004,14 @@ static PetscErrorCode FrameGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   PetscCall(VecGetArrayRead(U, (const PetscScalar **)&u));
   for (PetscInt i = 0; i < n; i++) {
     PetscCall(PetscMemzero(&nodes[i], sizeof(PlaneNode)));
-    PetscCall(PetscMemcpy(&nodes[i], u + i * fields, FIELDS * sizeof(*u)));
+    GetNode(u + i * fields, &nodes[i]);
     if (frame->yields) PetscCall(PetscArraycpy(nodes[i].growth, u + i * fields + FIELDS, 2));
   }
   PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedGet(rod, U, nodes));
   if (!U_t) PetscFunctionReturn(0);
   PetscCall(VecGetArrayRead(U_t, (const PetscScalar **)&u));
-  for (PetscInt i = 0; i < n; i++)
-    PetscCall(PetscMemcpy(nodes[i].x_t, u + i * fields, 3 * sizeof(*u)));
+  for (PetscInt i = 0; i < n; i++) GetRates(u + i * fields, &nodes[i]);
   PetscCall(VecRestoreArrayRead(U_t, (const PetscScalar **)&u));
   PetscFunctionReturn(0);
 }

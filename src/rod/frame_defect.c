@@ -82,7 +82,7 @@ static void CellDefect(const Frame *frame, const Load *load, PetscInt k, const P
   PointOnCubic(load, law, law + 1, law + 2, FrameDuals(frame, k + 1), 0.5, h, p, p + 2, turn[0],
                turn[1], p + 1, &cubic);
   for (int f = 0; f < FIELDS; f++)
-    defect[f] = h * (p[1].f[f] - (p[0].f[f] + 4 * cubic.f[f] + p[2].f[f]) / 6);
+    defect[f] = h * (p[AT_MID].f[f] - (p[AT_A].f[f] + 4 * cubic.f[f] + p[AT_B].f[f]) / 6);
 }
 
 /*

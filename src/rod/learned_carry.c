@@ -97,7 +97,8 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
 
 /* LearnedCarries - do states go along with material that slides past the labels? */
 PetscBool LearnedCarries(const Rod rod) {
-  return (PetscBool)(rod->learned && rod->scene->tropism.learns && rod->scene->growth->slides);
+  return (PetscBool)(rod->learned && TropismLearns(&rod->scene->tropism) &&
+                     rod->scene->growth->slides);
 }
 
 /* LearnedKeepWay - before a step: where growth feels force, which way the material has come is that

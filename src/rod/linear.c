@@ -46,11 +46,11 @@ static PetscErrorCode LinearResidual(Rod rod, const RodState *at, Vec F) {
   Linear *self = (Linear *)rod->data;
   const PetscScalar *y, *y_t;
   PetscScalar *f;
-  Vec local[2];
+  Vec local, local_t;
 
   PetscFunctionBegin;
-  PetscCall(RodOpen(rod, at->U, &local[0], &y));
-  PetscCall(RodOpen(rod, at->U_t, &local[1], &y_t));
+  PetscCall(RodOpen(rod, at->U, &local, &y));
+  PetscCall(RodOpen(rod, at->U_t, &local_t, &y_t));
   PetscCall(DMDAVecGetArray(rod->da, F, &f));
   for (PetscInt k = 0; k < rod->model->fields; k++) {
     PetscReal *out = rod->model->fields > 1 ? self->room[WAYS] - (rod->first - 3) : f;
@@ -60,8 +60,8 @@ static PetscErrorCode LinearResidual(Rod rod, const RodState *at, Vec F) {
       f[rod->model->fields * i + k] = out[i];
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &f));
-  PetscCall(RodClose(rod, &local[0], &y));
-  PetscCall(RodClose(rod, &local[1], &y_t));
+  PetscCall(RodClose(rod, &local, &y));
+  PetscCall(RodClose(rod, &local_t, &y_t));
   PetscFunctionReturn(0);
 }
 
@@ -236,9 +236,9 @@ static void JoinWays(const Node *one, const Node *other, Node *node) {
   const PetscReal c = PetscSqrtReal(PetscMax(1e-6, 1 - a * a - b * b)),
                   c_t = -(a * a_t + b * b_t) / c, p = PetscSqrtReal((1 + c) / 2),
                   p_t = c_t / (4 * p);
-  Node joined = {.x3 = {one->x[0], one->x[1], other->x[1]},
-                 .x3_t = {one->x_t[0], one->x_t[1], other->x_t[1]},
-                 .n3 = {one->force[0], one->force[1], other->force[1]},
+  Node joined = {.x = {one->x[0], one->x[1], other->x[1]},
+                 .x_t = {one->x_t[0], one->x_t[1], other->x_t[1]},
+                 .force = {one->force[0], one->force[1], other->force[1]},
                  .m3 = {0, -other->moment, one->moment},
                  .p = {p, 0, -b / (2 * p), a / (2 * p)},
                  .p_t = {p_t, 0, (b * p_t / p - b_t) / (2 * p), (a_t - a * p_t / p) / (2 * p)}};
@@ -253,13 +253,13 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
   const PetscScalar *y, *y_t = NULL;
   PetscReal *P;
   Node *other;
-  Vec local[2];
+  Vec local, local_t;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc2(rod->last + 1, &P, fields > 1 ? n : 0, &other));
   PetscCall(StraightForce(rod->scene, rod->last + 1, rod->scene->mesh.s, t, P));
-  PetscCall(RodOpen(rod, U, &local[0], &y));
-  if (U_t) PetscCall(RodOpen(rod, U_t, &local[1], &y_t));
+  PetscCall(RodOpen(rod, U, &local, &y));
+  if (U_t) PetscCall(RodOpen(rod, U_t, &local_t, &y_t));
   for (PetscInt f = fields - 1; f >= 0; f--) {
     const PetscScalar *one = OneField(rod, y, f, 0), *one_t = U_t ? OneField(rod, y_t, f, 1) : NULL;
     PetscCall(PlaneNodes(rod, t, f ? WAY_X3 : WAY_X2, P, one, one_t, f ? other : nodes));
@@ -271,8 +271,8 @@ static PetscErrorCode LinearGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *node
     nodes[k].x[0] += other[k].x[0] - arc; /* shortened by both */
     JoinWays(&nodes[k], &other[k], &nodes[k]);
   }
-  PetscCall(RodClose(rod, &local[0], &y));
-  if (U_t) PetscCall(RodClose(rod, &local[1], &y_t));
+  PetscCall(RodClose(rod, &local, &y));
+  if (U_t) PetscCall(RodClose(rod, &local_t, &y_t));
   PetscCall(PetscFree2(P, other));
   PetscFunctionReturn(0);
 }
@@ -307,11 +307,10 @@ static PetscErrorCode CreateFit(Rod rod) {
 static void Deflection(const Node *node, PetscInt fields, PetscInt f, PetscReal value[2]) {
   PetscReal d[3][3];
 
-  value[0] = node->x[1];
+  value[0] = node->x[1 + f];
   value[1] = node->theta;
   if (fields == 1) return;
   Directors(node->p, QuaternionSize(node->p), d);
-  value[0] = node->x3[1 + f];
   value[1] = d[0][1 + f];
 }
 

@@ -221,12 +221,12 @@ static PetscErrorCode MixedResidual(Rod rod, const RodState *at, Vec F) {
   Mixed *self = (Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
   PetscReal(*f)[FIELDS];
-  Vec local[2];
+  Vec local, local_t;
 
   PetscFunctionBegin;
   PetscCall(LengthsAt(rod, at->t));
-  PetscCall(RodOpen(rod, at->U, &local[0], &u));
-  PetscCall(RodOpen(rod, at->U_t, &local[1], &u_t));
+  PetscCall(RodOpen(rod, at->U, &local, &u));
+  PetscCall(RodOpen(rod, at->U_t, &local_t, &u_t));
   PetscCall(DMDAVecGetArray(rod->da, F, &f));
   if (!rod->first) PetscCall(PetscArraycpy(f[0], u[0], FIELDS));
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
@@ -236,8 +236,8 @@ static PetscErrorCode MixedResidual(Rod rod, const RodState *at, Vec F) {
     f[i][LAMBDA] = Dot2(e, e) / l - l;
   }
   PetscCall(DMDAVecRestoreArray(rod->da, F, &f));
-  PetscCall(RodClose(rod, &local[0], &u));
-  PetscCall(RodClose(rod, &local[1], &u_t));
+  PetscCall(RodClose(rod, &local, &u));
+  PetscCall(RodClose(rod, &local_t, &u_t));
   PetscFunctionReturn(0);
 }
 
@@ -355,13 +355,13 @@ static PetscErrorCode MixedJacobian(Rod rod, const RodState *at, Mat J) {
   Mixed *self = (Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
   PetscReal e[DIMS];
-  Vec local[2];
+  Vec local, local_t;
   Row row;
 
   PetscFunctionBegin;
   PetscCall(LengthsAt(rod, at->t));
-  PetscCall(RodOpen(rod, at->U, &local[0], &u));
-  PetscCall(RodOpen(rod, at->U_t, &local[1], &u_t));
+  PetscCall(RodOpen(rod, at->U, &local, &u));
+  PetscCall(RodOpen(rod, at->U_t, &local_t, &u_t));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     PetscInt cols[WIDTH];
     PetscCall(PetscMemzero(row, sizeof(row)));
@@ -375,8 +375,8 @@ static PetscErrorCode MixedJacobian(Rod rod, const RodState *at, Mat J) {
       for (int f = 0; f < FIELDS; f++) row[f][REACH * FIELDS + f] = 1;
     PetscCall(MatSetValuesBlocked(J, 1, &i, WIDTH, cols, &row[0][0], INSERT_VALUES));
   }
-  PetscCall(RodClose(rod, &local[0], &u));
-  PetscCall(RodClose(rod, &local[1], &u_t));
+  PetscCall(RodClose(rod, &local, &u));
+  PetscCall(RodClose(rod, &local_t, &u_t));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
   PetscFunctionReturn(0);
@@ -409,14 +409,14 @@ static PetscErrorCode MixedBears(Rod rod, const RodState *at, RodForces *sum) {
   const Mixed *self = (const Mixed *)rod->data;
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS];
   PetscReal friction[3], walls[3], moved, slide;
-  Vec local[2];
+  Vec local, local_t;
   Place place;
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(sum, sizeof(*sum)));
   PetscCall(LengthsAt(rod, at->t));
-  PetscCall(RodOpen(rod, at->U, &local[0], &u));
-  PetscCall(RodOpen(rod, at->U_t, &local[1], &u_t));
+  PetscCall(RodOpen(rod, at->U, &local, &u));
+  PetscCall(RodOpen(rod, at->U_t, &local_t, &u_t));
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) {
     const PetscReal at_clamp = i == 1 ? EdgeLength(self, rod, 1) / 2 : 0;
     PlaceAt(self, rod, u, u_t, i, &place, &slide);
@@ -424,8 +424,8 @@ static PetscErrorCode MixedBears(Rod rod, const RodState *at, RodForces *sum) {
     for (int d = 0; d < DIMS; d++)
       sum->friction[d] += (NodeLength(self, rod, i) + at_clamp) * friction[d];
   }
-  PetscCall(RodClose(rod, &local[0], &u));
-  PetscCall(RodClose(rod, &local[1], &u_t));
+  PetscCall(RodClose(rod, &local, &u));
+  PetscCall(RodClose(rod, &local_t, &u_t));
   PetscFunctionReturn(0);
 }
 
@@ -476,14 +476,14 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
   const PetscReal(*u)[FIELDS], (*u_t)[FIELDS] = NULL;
   PetscInt n = rod->end - rod->first;
   PetscReal *theta;
-  Vec local[2];
+  Vec local, local_t;
 
   PetscFunctionBegin;
   PetscCall(LengthsAt(rod, t));
   PetscCall(PetscArrayzero(nodes, n));
   PetscCall(PetscCalloc1(n, &theta));
-  PetscCall(RodOpen(rod, U, &local[0], &u));
-  if (U_t) PetscCall(RodOpen(rod, U_t, &local[1], &u_t));
+  PetscCall(RodOpen(rod, U, &local, &u));
+  if (U_t) PetscCall(RodOpen(rod, U_t, &local_t, &u_t));
   for (PetscInt i = rod->first; i < rod->end; i++) {
     Node *node = &nodes[i - rod->first];
     Put2(From2(u[i]), node->x);
@@ -493,8 +493,8 @@ static PetscErrorCode MixedGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
     const Edges of = EdgesOf(EdgeBefore(u, i - 1), Edge(u, i)); /* the turn into edge i */
     theta[i - rod->first] = 2 * PetscAtan2Real(of.N, of.D);
   }
-  PetscCall(RodClose(rod, &local[0], &u));
-  if (U_t) PetscCall(RodClose(rod, &local[1], &u_t));
+  PetscCall(RodClose(rod, &local, &u));
+  if (U_t) PetscCall(RodClose(rod, &local_t, &u_t));
   PetscCall(RodSumAlong(rod, n, theta));                        /* angle of edge i */
   for (PetscInt i = PetscMax(1, rod->first); i < rod->end; i++) /* from its middle on to its end */
     nodes[i - rod->first].theta =

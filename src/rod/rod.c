@@ -191,28 +191,30 @@ PetscErrorCode RodSumAlong(Rod rod, PetscInt n, PetscReal value[]) {
 static PetscErrorCode IntegratePosition(Rod rod, PetscReal t, Node *nodes) {
   const PetscReal *s = rod->scene->mesh.s;
   PetscInt n = rod->end - rod->first;
-  PetscReal *sum[4], *all;
+  PetscReal *all, *x, *y, *x_t, *y_t;
 
   PetscFunctionBegin;
   PetscCall(PetscCalloc1(4 * n, &all));
-  for (int f = 0; f < 4; f++) sum[f] = all + f * n;
+  x = all;
+  y = x + n;
+  x_t = y + n;
+  y_t = x_t + n;
   for (PetscInt i = PetscMax(rod->first, 1); i < rod->end; i++)
     for (int q = 0; q < GAUSS; q++) {
       PetscReal h = s[i] - s[i - 1], z = s[i - 1] + h * gauss_point[q], g, g_t, theta, slope;
       PetscInt k = i - rod->first;
       PetscCall(GrowthStretch(rod->scene->growth, 1, &z, t, &g, &g_t, NULL));
       PetscCall(SceneShapeAngle(rod->scene, z, &theta, &slope));
-      sum[0][k] += h * gauss_weight[q] * g * PetscCosReal(theta);
-      sum[1][k] += h * gauss_weight[q] * g * PetscSinReal(theta);
-      sum[2][k] += h * gauss_weight[q] * g_t * PetscCosReal(theta);
-      sum[3][k] += h * gauss_weight[q] * g_t * PetscSinReal(theta);
+      x[k] += h * gauss_weight[q] * g * PetscCosReal(theta);
+      y[k] += h * gauss_weight[q] * g * PetscSinReal(theta);
+      x_t[k] += h * gauss_weight[q] * g_t * PetscCosReal(theta);
+      y_t[k] += h * gauss_weight[q] * g_t * PetscSinReal(theta);
     }
-  for (int f = 0; f < 4; f++) PetscCall(RodSumAlong(rod, n, sum[f]));
-  for (PetscInt k = 0; k < n; k++)
-    for (int d = 0; d < 2; d++) {
-      nodes[k].x[d] = sum[d][k];
-      nodes[k].x_t[d] = sum[2 + d][k];
-    }
+  for (int f = 0; f < 4; f++) PetscCall(RodSumAlong(rod, n, all + f * n));
+  for (PetscInt k = 0; k < n; k++) {
+    Put2((Vector2){x[k], y[k]}, nodes[k].x);
+    Put2((Vector2){x_t[k], y_t[k]}, nodes[k].x_t);
+  }
   PetscCall(PetscFree(all));
   PetscFunctionReturn(0);
 }
@@ -343,12 +345,9 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
     if (s[i] == s[i - 1]) continue;
     PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t0, p[0], NULL));
     PetscCall(GrowthArc(rod->scene->growth, 2, &s[i - 1], t1, p[1], NULL));
-    for (int d = 0; d < 2; d++)
+    for (int d = 0; d < 3; d++)
       dx[d][i - rod->first] =
           (with[i].x[d] - with[i - 1].x[d]) * ((p[1][1] - p[1][0]) / (p[0][1] - p[0][0]) - 1);
-    if (rod->model->space)
-      dx[2][i - rod->first] =
-          (with[i].x3[2] - with[i - 1].x3[2]) * ((p[1][1] - p[1][0]) / (p[0][1] - p[0][0]) - 1);
   }
   PetscCall(DMDAVecRestoreArrayRead(da, ghosted, &with));
   PetscCall(DMRestoreLocalVector(da, &ghosted));
@@ -361,13 +360,10 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
       PetscCall(SceneCurvature(rod->scene, s[rod->first + k], e ? t1 : t0, &k0[e], NULL));
       PetscCall(SceneStiffness(rod->scene, s[rod->first + k], e ? t1 : t0, &B[e], NULL));
     }
-    if (rod->model->space) { /* moments are found by the first iteration */
-      for (int d = 0; d < 3; d++) nodes[k].x3[d] += dx[d][k];
-      continue;
-    }
+    for (int d = 0; d < 3; d++) nodes[k].x[d] += dx[d][k];
+    if (rod->model->space) continue; /* moments are found by the first iteration */
     if (rod->scene->growth->yield > 0) nodes[k].growth[1] = g[1];
     nodes[k].moment = B[1] * ((nodes[k].moment / B[0] + k0[0]) * g[0] / g[1] - k0[1]);
-    for (int d = 0; d < 2; d++) nodes[k].x[d] += dx[d][k];
   }
   if (rod->model->space) TurnEnds(rod, t1, nodes);
   PetscCall(PetscFree(all));
@@ -384,25 +380,23 @@ const char *RodRefusesSpace(Scene scene) {
   return space->refused;
 }
 
-/* RodPlanePart - what every model says of a node, from what a model in space has. */
+/* RodPlanePart - angle and moment of a node as every model has them, from the frame of one in
+ * space.
+ */
 void RodPlanePart(Node *node) {
   PetscReal d[3][3], size = QuaternionSize(node->p);
 
   Directors(node->p, size, d);
-  node->theta = atan2(PetscSqrtReal(PetscSqr(d[0][1]) + PetscSqr(d[0][2])), d[0][0]);
+  const Vector2 across = From2(d[0] + 1);
+  node->theta = atan2(PetscSqrtReal(Dot2(across, across)), d[0][0]);
   node->moment = Size3(node->m3);
-  for (int k = 0; k < 2; k++) {
-    node->x[k] = node->x3[k];
-    node->force[k] = node->n3[k];
-    node->x_t[k] = node->x3_t[k];
-  }
 }
 
 /* RodHoldTip - tells a scene whose tip is held where that is: where the initial shape has it.
    Collective. */
 PetscErrorCode RodHoldTip(Rod rod) {
   PetscInt n = rod->end - rod->first;
-  PetscReal tip[10] = {0};
+  PetscReal tip[8] = {0};
   Node *nodes;
   Vec U;
 
@@ -415,16 +409,15 @@ PetscErrorCode RodHoldTip(Rod rod) {
   PetscCall(rod->model->get(rod, 0, U, NULL, nodes));
   PetscCall(DMRestoreGlobalVector(rod->da, &U));
   if (rod->end == rod->last + 1) {
-    PetscCall(PetscArraycpy(tip, nodes[n - 1].x, 2));
-    tip[2] = nodes[n - 1].theta;
-    PetscCall(PetscArraycpy(tip + 3, nodes[n - 1].x3, 3));
-    PetscCall(PetscArraycpy(tip + 6, nodes[n - 1].p, 4));
+    tip[0] = nodes[n - 1].theta;
+    PetscCall(PetscArraycpy(tip + 1, nodes[n - 1].x, 3));
+    PetscCall(PetscArraycpy(tip + 4, nodes[n - 1].p, 4));
   }
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, tip, 10, MPIU_REAL, MPI_SUM, rod->scene->comm));
+  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, tip, 8, MPIU_REAL, MPI_SUM, rod->scene->comm));
   if (rod->model->space)
-    PetscCall(SceneHoldTip3(rod->scene, tip + 3, tip + 6));
+    PetscCall(SceneHoldTip3(rod->scene, tip + 1, tip + 4));
   else
-    PetscCall(SceneHoldTip(rod->scene, tip, tip[2]));
+    PetscCall(SceneHoldTip(rod->scene, tip + 1, tip[0]));
   PetscCall(PetscFree(nodes));
   PetscFunctionReturn(0);
 }

@@ -9,6 +9,7 @@
 #include "scene/scene.h"
 #include "straight/straight.h"
 #include <petscdmda.h>
+#include <stddef.h>
 
 enum { MAX_FIELDS = 21 };
 
@@ -38,23 +39,26 @@ typedef struct {
   PetscReal bend[TROPISM_BENDS], signal[TROPISM_BENDS];
 } NodeLearned;
 
-/* What is known at a node, for any model. */
+/* What is known at a node, for any model; in the clamp's frame. */
 typedef struct {
-  PetscReal x[2], theta, moment, force[2]; /* position, tangent angle, m = curvature - k0, n */
-  PetscReal x_t[2], theta_t;               /* their rates at fixed s */
-  /* of the model of space, whose theta is the angle between d1 and the clamp's axis: position,
-     quaternion of the directors, moment and force, all in the clamp's frame, and rates */
-  PetscReal x3[3], p[4], m3[3], n3[3], x3_t[3], p_t[4], m3_t[3];
-  NodeLearned learned[2]; /* at the node, and in the middle of the cell behind it */
-  PetscReal growth[2];    /* V and the length of the rod, where its growth feels force */
+  /* position; quaternion of the directors, in space; tangent angle, m = curvature - k0, and n */
+  PetscReal x[3], p[4], theta, moment, force[3];
+  PetscReal x_t[3], p_t[4], theta_t; /* their rates at fixed s */
+  PetscReal m3[3], m3_t[3]; /* all of the moment in space, whose size is m then, as theta is
+                               the angle between d1 and the clamp's axis */
+  NodeLearned learned[2];   /* at the node, and in the middle of the cell behind it */
+  PetscReal growth[2];      /* V and the length of the rod, where its growth feels force */
 } Node;
 enum { NODE_VALUES = sizeof(Node) / sizeof(PetscReal) };
 
 /* Its first part, which is all there is in the plane: the rest is then of no account. */
 typedef struct {
-  PetscReal x[2], theta, moment, force[2], x_t[2], theta_t;
+  PetscReal x[3], p[4], theta, moment, force[3], x_t[3], p_t[4], theta_t;
 } PlaneNode;
 enum { PLANE_NODE_VALUES = sizeof(PlaneNode) / sizeof(PetscReal) };
+
+/* What stands between a node's place in the plane and its angle: see StrandState. */
+enum { NODE_BETWEEN = (int)(offsetof(Node, theta) / sizeof(PetscReal)) - 2 };
 
 static inline void PlanePart(const Node *node, PlaneNode *plane) {
   for (int k = 0; k < PLANE_NODE_VALUES; k++)

@@ -137,10 +137,8 @@ static Vector2 Larger(Vector2 n, Vector2 most) {
 
 /* The walls that press on a node: the part of their normals that is across. */
 static Vector2 PressedAcross(const Rod rod, const Node *node, Vector2 most) {
-  const PetscBool space = rod->model->space;
   Touch touch[MOST_TOUCHES];
-  PetscInt n =
-      ContactTouches(space ? 3 : 2, &rod->scene->contact, space ? node->x3 : node->x, touch);
+  PetscInt n = ContactTouches(RodDims(rod->model), &rod->scene->contact, node->x, touch);
 
   for (PetscInt k = 0; k < n; k++) most = Larger(From2(touch[k].normal + 1), most);
   return most;

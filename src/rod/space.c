@@ -139,10 +139,10 @@ static PetscErrorCode SpaceSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
   PetscCall(VecGetArray(U, (PetscScalar **)&u));
   at = u;
   for (PetscInt i = 0; i < rod->end - rod->first; i++, at += rod->model->fields) {
-    PetscCall(PetscArraycpy(at + X, nodes[i].x3, 3));
+    PetscCall(PetscArraycpy(at + X, nodes[i].x, 3));
     PetscCall(PetscArraycpy(at + P, nodes[i].p, 4));
     PetscCall(PetscArraycpy(at + M, nodes[i].m3, 3));
-    PetscCall(PetscArraycpy(at + N, nodes[i].n3, 3));
+    PetscCall(PetscArraycpy(at + N, nodes[i].force, 3));
   }
   PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedSet(rod, nodes, U));
@@ -160,12 +160,12 @@ static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
     const PetscReal *at = u + i * fields, *at_t = u_t + i * fields;
     Node *node = &nodes[i];
     PetscCall(PetscMemzero(node, sizeof(*node)));
-    PetscCall(PetscArraycpy(node->x3, at + X, 3));
+    PetscCall(PetscArraycpy(node->x, at + X, 3));
     PetscCall(PetscArraycpy(node->p, at + P, 4));
     PetscCall(PetscArraycpy(node->m3, at + M, 3));
-    PetscCall(PetscArraycpy(node->n3, at + N, 3));
+    PetscCall(PetscArraycpy(node->force, at + N, 3));
     if (U_t) {
-      PetscCall(PetscArraycpy(node->x3_t, at_t + X, 3));
+      PetscCall(PetscArraycpy(node->x_t, at_t + X, 3));
       PetscCall(PetscArraycpy(node->p_t, at_t + P, 4));
       PetscCall(PetscArraycpy(node->m3_t, at_t + M, 3));
     }

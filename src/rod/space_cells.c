@@ -100,7 +100,6 @@ static inline void AddPush(const Cell *cell, PetscInt i, int half, Point *p) {
 /* The cell that is looked at, for its feet. */
 static void FeetsCell(Cell *cell, PetscInt i) {
   const Space_ *self = (const Space_ *)cell->rod->data;
-  const Point *end[2] = {cell->a, cell->b};
   const PetscReal arm = cell->load->arm;
   FootCell *of = &cell->foot_cell;
   CurveCell *curve = &of->curve;
@@ -113,13 +112,14 @@ static void FeetsCell(Cell *cell, PetscInt i) {
     of->weight[k] = k == 1 ? self->mid_weight : self->end_weight;
   }
   for (int e = 0; e < 2; e++) {
+    const Point *p = e ? cell->b : cell->a;
     curve->g[e] = cell->law[2 * e].g;
-    VelocitySlope(&cell->law[2 * e], end[e], curve->slope_t[e]);
-    if (arm > 0) of->spin[e] = end[e]->at.v[SPIN] / arm;
+    VelocitySlope(&cell->law[2 * e], p, curve->slope_t[e]);
+    if (arm > 0) of->spin[e] = p->at.v[SPIN] / arm;
     for (int d = 0; d < 3; d++) {
-      curve->x[e][d] = end[e]->at.x[d];
-      curve->q[e][d] = end[e]->d[0][d];
-      curve->x_t[e][d] = end[e]->at.v[d] - cell->law[2 * e].c * end[e]->d[0][d];
+      curve->x[e][d] = p->at.x[d];
+      curve->q[e][d] = p->d[0][d];
+      curve->x_t[e][d] = p->at.v[d] - cell->law[2 * e].c * p->d[0][d];
     }
   }
 }
@@ -196,8 +196,8 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
     cell->u = (const PetscReal(*)[FIELDS])rod->learned->u + 1 - rod->first;
     cell->u_t = (const PetscReal(*)[FIELDS])rod->learned->u_t + 1 - rod->first;
   } else {
-    PetscCall(RodOpen(rod, at->U, &cell->local[0], &cell->u));
-    PetscCall(RodOpen(rod, at->U_t, &cell->local[1], &cell->u_t));
+    PetscCall(RodOpen(rod, at->U, &cell->local, &cell->u));
+    PetscCall(RodOpen(rod, at->U_t, &cell->local_t, &cell->u_t));
   }
   PetscCall(Recognise(self, at, cell));
   cell->b = NodePoint(cell, PetscMax(rod->first - 1, 0));
@@ -208,8 +208,8 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
 PetscErrorCode SpaceCellsClose(Cell *cell) {
   PetscFunctionBegin;
   if (cell->rod->learned) PetscFunctionReturn(0);
-  PetscCall(RodClose(cell->rod, &cell->local[0], &cell->u));
-  PetscCall(RodClose(cell->rod, &cell->local[1], &cell->u_t));
+  PetscCall(RodClose(cell->rod, &cell->local, &cell->u));
+  PetscCall(RodClose(cell->rod, &cell->local_t, &cell->u_t));
   PetscFunctionReturn(0);
 }
 

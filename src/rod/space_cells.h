@@ -52,7 +52,7 @@ typedef struct {
   PetscBool split; /* the rod rests at one end of this cell, or turns the other way: see Splits() */
   const Load *load;
   const PetscReal (*u)[FIELDS], (*u_t)[FIELDS], *s;
-  Vec local[2];
+  Vec local, local_t;
   Law *law; /* of nodes a, mid, b of the cell */
   FrictionDual *dual[3];
   const PetscReal (*push)[3];   /* what strands add to n' at all points of the rod; NULL: none */

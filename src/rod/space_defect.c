@@ -202,8 +202,8 @@ static void CellDefect(Cells *cells, PetscReal defect[MAX_FIELDS]) {
   PointOnCubic(cells, 1, cells->law + 2, 0.5, h, p + 2, &cubic);
   Strip(cells, 3, cells->part);
   for (int f = 0; f < FIELDS; f++)
-    defect[f] =
-        h * (cells->value[1][f] - (cells->value[0][f] + 4 * cubic.f[f] + cells->value[2][f]) / 6);
+    defect[f] = h * (cells->value[AT_MID][f] -
+                     (cells->value[AT_A][f] + 4 * cubic.f[f] + cells->value[AT_B][f]) / 6);
 }
 
 /* Cell i becomes number k of those. */

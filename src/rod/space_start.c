@@ -123,7 +123,7 @@ static void InitialForces(PetscInt n, const SpinPlace place[], const PetscReal t
     for (int j = 0; j < 3; j++) slope[j] += D[at] * by[j];
   }
   Cross3(slope, d[0], by);
-  for (int j = 0; j < 3; j++) node->n3[j] = along * d[0][j] - by[j] / place[i].g;
+  for (int j = 0; j < 3; j++) node->force[j] = along * d[0][j] - by[j] / place[i].g;
 }
 
 /* The node at place i of n: the curve's own frame, turned. */
@@ -133,8 +133,8 @@ static void InitialNode(PetscInt n, const SpinPlace place[], const PetscReal tur
   PetscReal d[3][3];
 
   memset(node, 0, sizeof(*node));
-  memcpy(node->x3, at->x, sizeof(node->x3));
-  memcpy(node->x3_t, at->x_t, sizeof(node->x3_t));
+  memcpy(node->x, at->x, sizeof(node->x));
+  memcpy(node->x_t, at->x_t, sizeof(node->x_t));
   QuaternionTimes(at->p, about, node->p);
   Directors(node->p, QuaternionSize(node->p), d);
   InitialForces(n, place, turn, i, (const PetscReal(*)[3])d, along, node);

@@ -46,14 +46,15 @@ static PetscReal Energy(Spin *self, const PetscReal phi[]) {
     self->below[i + 1] = -C / (g * h);
     for (int k = 0; k < 2; k++) {
       const SpinPlace *at = k ? b : a;
-      const PetscReal w = at->g * h / 2, *S = at->S;
+      const PetscReal w = at->g * h / 2;
+      const Vector2 S = From2(at->S + 1);
       PetscReal u[3];
       SpinTurn(at, phi[i + k], 0, u);
-      const PetscReal d2 = u[1] - at->u0[1], d3 = u[2] - at->u0[2];
-      energy += w * (S[1] * d2 * d2 + S[2] * d3 * d3) / 2;
-      self->slope[i + k] += w * (S[1] * d2 * u[2] - S[2] * d3 * u[1]);
+      const Vector2 v = From2(u + 1), d = Minus2(v, From2(at->u0 + 1));
+      energy += w * (S.x * d.x * d.x + S.y * d.y * d.y) / 2;
+      self->slope[i + k] += w * (S.x * d.x * v.y - S.y * d.y * v.x);
       self->diagonal[i + k] +=
-          C / (g * h) + w * (S[1] * (u[2] * u[2] - d2 * u[1]) + S[2] * (u[1] * u[1] - d3 * u[2]));
+          C / (g * h) + w * (S.x * (v.y * v.y - d.x * v.x) + S.y * (v.x * v.x - d.y * v.y));
     }
   }
   return energy;

@@ -24,14 +24,13 @@ static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor, PetscBool *unheld)
   Node *nodes;
 
   PetscFunctionBegin;
-  *factor = 1;
+  *factor = load->factor > 0 ? load->factor : 1;
   *unheld = PETSC_FALSE;
   if (!load->field) PetscFunctionReturn(0);
   PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));
   PetscCall(RodInitialNodes(rod, 0, nodes));
   for (PetscInt i = 0; i < rod->end - rod->first; i++) {
-    const PetscReal flat[3] = {nodes[i].x[0], nodes[i].x[1], 0},
-                    N = LoadFactor(load, rod->model->space ? nodes[i].x3 : flat, 0, slope);
+    const PetscReal N = LoadFactor(load, nodes[i].x, 0, slope);
     least = PetscMin(least, N);
     sum += N;
   }

@@ -136,8 +136,8 @@ static PetscErrorCode NodesOfAll(Leg *leg, PetscReal t, Vec U, Node *nodes) {
     PetscCall(rod->model->get(rod, t, part, NULL, first));
     PetscCall(RodPartCloseRead(all, k, U, &part));
     for (Node *node = first; node <= first + rod->last; node++) {
-      const PetscReal x[3] = {node->x3[0], node->x3[1], node->x3[2]};
-      ScenePlaceToLab(rod->scene, x, node->x3);
+      const PetscReal x[3] = {node->x[0], node->x[1], node->x[2]};
+      ScenePlaceToLab(rod->scene, x, node->x);
     }
   }
   PetscFunctionReturn(0);

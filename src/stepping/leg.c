@@ -85,6 +85,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(SetTolerance(leg));
   PetscCall(
       TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->ease.times * leg->rtol, leg->none));
+  NewtonFollow(&leg->newton, leg->ease.times * leg->rtol);
   PetscFunctionReturn(0);
 }
 

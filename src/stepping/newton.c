@@ -142,7 +142,7 @@ static PetscReal SpeedSeen(const Newton *self, PetscReal step, const PetscReal s
   if (!RodTouches(self->rod)) return 0;
   for (PetscInt f = 0; f < self->rod->model->fields; f++)
     if (self->rod->model->followed[f] && size[f] > 0) least = PetscMin(least, size[f]);
-  return self->tolerance * least / step;
+  return self->given * least / step;
 }
 
 /* Exact Coulomb friction: once the iteration has converged, the shifts that hold sticking points
@@ -157,7 +157,7 @@ static PetscErrorCode Hold(Newton *self, SNES snes, Vec U, Vec F, SNESConvergedR
   PetscCall(RodFieldSizes(self->rod, U, size));
   PetscCall(self->rod->model->hold(self->rod, &self->latest, SpeedSeen(self, step, size), &creep));
   PetscCall(PetscInfo(snes, "held points creep at %g\n", (double)creep));
-  if (creep * step > step_rule.stick_slips * self->tolerance * size[0] &&
+  if (creep * step > step_rule.stick_slips * self->given * size[0] &&
       self->holds < step_rule.stick_updates) {
     self->holds++;
     *reason = SNES_CONVERGED_ITERATING;
@@ -303,13 +303,20 @@ static PetscErrorCode Jacobian(TS ts, PetscReal t, Vec U, Vec U_t, PetscReal shi
   PetscFunctionReturn(0);
 }
 
-/* What is below round-off of the whole of a vector is not asked for either (rod/sizes.c). */
-static void SetTolerance(Newton *newton, PetscReal tolerance) {
+/* NewtonFollow - updates go to a part of the tolerance that the next step has. */
+void NewtonFollow(Newton *newton, PetscReal rtol) {
+  newton->tolerance = step_rule.newton_share * rtol;
+}
+
+/* The tolerance as given. What is below round-off of the whole of a vector is not asked for either
+   (rod/sizes.c). */
+static void SetTolerance(Newton *newton, PetscReal rtol) {
   const Rod rod = newton->rod;
 
-  newton->tolerance = tolerance;
+  NewtonFollow(newton, rtol);
+  newton->given = newton->tolerance;
   for (PetscInt k = 0; k < rod->rods; k++)
-    rod->each[k]->finest = step_rule.update_round_off / tolerance;
+    rod->each[k]->finest = step_rule.update_round_off / newton->given;
 }
 
 /*
@@ -327,7 +334,7 @@ PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton) {
   newton->ts = ts;
   newton->rod = rod;
   PetscCall(TSGetTolerances(ts, NULL, NULL, &rtol, NULL));
-  SetTolerance(newton, step_rule.newton_share * rtol);
+  SetTolerance(newton, rtol);
   PetscCall(TSSetIFunction(ts, NULL, Residual, newton));
   PetscCall(TSGetSNES(ts, &snes));
   PetscCall(SNESSetType(snes, rod->model->linear ? SNESKSPONLY : SNESNEWTONLS));
@@ -505,6 +512,48 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
     if (counts) PetscCall(CreateElimination(rod, PETSC_TRUE, &newton->counter));
   }
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, Jacobian, newton));
+  PetscFunctionReturn(0);
+}
+
+/*
+  NewtonDetermines - do the equations determine the unknowns in a state at rest at t = 0? Rods that
+  hold each other in a ring may have forces that nothing tells: along rods that are straight, for
+  these do not stretch. Of a rod whose matrix is one. A solution is then all but without bounds, or
+  there is none.
+
+  rate  of the friction that is felt
+*/
+PetscErrorCode NewtonDetermines(Newton *newton, Vec U, PetscReal rate, PetscBool *determined) {
+  RodState at = {.U = U, .fresh = PETSC_TRUE};
+  KSPConvergedReason reason;
+  PetscReal size[2];
+  PetscInt n;
+  Vec b, x;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(U, &b));
+  PetscCall(VecDuplicate(U, &x));
+  PetscCall(VecDuplicate(U, &at.U_t));
+  PetscCall(VecZeroEntries(at.U_t));
+  PetscCall(VecGetSize(b, &n));
+  for (PetscInt i = 0; i < n; i++)
+    PetscCall(VecSetValue(b, i, PetscSinReal(i + 1.), INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(b));
+  PetscCall(VecAssemblyEnd(b));
+  for (PetscInt f = 0; f < newton->rod->model->fields; f++) at.shift[f] = rate;
+  PetscCall(newton->rod->model->jacobian(newton->rod, &at, newton->J));
+  PetscCall(SolverOf(newton->ts, &ksp, &pc));
+  PetscCall(KSPSetOperators(ksp, newton->J, newton->J));
+  PetscCall(KSPSolve(ksp, b, x));
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCall(VecNorm(b, NORM_INFINITY, &size[0]));
+  PetscCall(VecNorm(x, NORM_INFINITY, &size[1]));
+  *determined = (PetscBool)(reason >= 0 && size[1] < step_rule.boundless * size[0]);
+  PetscCall(VecDestroy(&b));
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&at.U_t));
   PetscFunctionReturn(0);
 }
 

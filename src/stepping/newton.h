@@ -19,6 +19,7 @@ typedef struct {
                           taken */
   RodState linearised; /* of the latest Jacobian; U NULL: there was none */
   PetscReal tolerance; /* of the update, relative to each field's size */
+  PetscReal given;     /* likewise, before it is eased: what sticks is held to that */
   PetscReal update;    /* the latest iteration's largest */
   PetscReal residual[GROUPS]; /* the latest, of each group of fields */
   PetscReal guess;            /* the largest residual of the guess */
@@ -30,7 +31,9 @@ typedef struct {
 } Newton;
 
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
+void NewtonFollow(Newton *newton, PetscReal rtol);
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
+PetscErrorCode NewtonDetermines(Newton *newton, Vec U, PetscReal rate, PetscBool *determined);
 PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
 PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);
 PetscErrorCode NewtonEliminate(Newton *newton, Elimination elimination);

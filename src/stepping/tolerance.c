@@ -16,6 +16,9 @@ static PetscReal Largest(const PetscReal error[ESTIMATE_SEEN]) {
 
   rtol  the tolerance that is eased
   part  errors of each part in each of what is seen
+
+  Errors so large that they grow no more tell no ratio. Where contact's are such, and no less than
+  those of steps, coarser steps are the smaller part: behind a snap, say.
 */
 void ToleranceFollow(PetscReal rtol, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN],
                      Ease *ease) {
@@ -24,9 +27,12 @@ void ToleranceFollow(PetscReal rtol, const PetscReal part[ESTIMATE_PARTS][ESTIMA
   PetscReal times;
 
   ease->others = PetscMax(soft, step_rule.contact_forgotten * ease->others);
-  if (PetscMax(seen, soft) > step_rule.error_unknown) return;
   times =
       PetscPowReal(step_rule.part_of_contact * ease->others / time, 1 / step_rule.tolerance_power);
+  if (PetscMax(seen, soft) > step_rule.error_unknown) {
+    if (seen > soft) return;
+    times = step_rule.tolerance_rises;
+  }
   ease->wants *= PetscMax(step_rule.tolerance_falls, PetscMin(step_rule.tolerance_rises, times));
   ease->wants = PetscMax(1, PetscMin(ease->most, ease->wants));
   ease->times = PetscPowReal(10, floor(step_rule.tolerance_levels * log10(ease->wants)) /

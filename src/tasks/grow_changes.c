@@ -24,8 +24,7 @@ static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value,
                            self->seen.t > 0 ? self->now->U : NULL, NULL, &nodes));
   PetscCall(PetscMalloc1(n, &x));
   for (PetscInt i = 0; nodes && i < n; i++)
-    for (int d = 0; d < 3; d++)
-      x[i][d] = self->scene->space.rod ? nodes[i].x3[d] : d < 2 ? nodes[i].x[d] : 0;
+    for (int d = 0; d < 3; d++) x[i][d] = nodes[i].x[d];
   PetscCall(SceneHasRoom(self->scene, value, t, nodes ? n : 0, (const PetscReal(*)[3])x, &room));
   PetscCall(PetscFree(x));
   PetscCallMPI(MPI_Bcast(&room, 1, MPIU_BOOL, 0, self->scene->comm));

@@ -19,6 +19,37 @@ struct _Body {
 
 /* ---- the spline ---- */
 
+/* Where the coefficients of the splines at a place begin. */
+static const PetscReal *Corner(const struct _Body *self, const EvenSplines e[SPACE]) {
+  const PetscInt row = self->n[0] + 2, sheet = row * (self->n[1] + 2);
+
+  return self->c + (size_t)e[SPACE - 1].first * (size_t)sheet +
+         (size_t)(e[1].first * row + e[0].first);
+}
+
+/* The value of the grid's spline, the same to the last digit as Evaluate() has it: most places are
+   farther from the surface than is asked, and no more of them need be known. */
+static PetscReal Value(const struct _Body *self, const PetscReal at[SPACE]) {
+  const PetscInt row = self->n[0] + 2, sheet = row * (self->n[1] + 2);
+  PetscReal value = 0;
+  EvenSplines e[SPACE];
+  const PetscReal *c;
+
+  for (int d = 0; d < SPACE; d++) (void)EvenValues(self->n[d], at[d], &e[d]);
+  c = Corner(self, e);
+  for (int k = 0; k < 4; k++, c += sheet) {
+    PetscReal v = 0;
+    for (int j = 0; j < 4; j++) {
+      const PetscReal *line = c + j * row;
+      PetscReal f = 0;
+      for (int i = 0; i < 4; i++) f += e[0].value[i] * line[i];
+      v += e[1].value[j] * f;
+    }
+    value += e[SPACE - 1].value[k] * v;
+  }
+  return value;
+}
+
 /* Of the grid's spline: value, gradient and second derivatives by grid units, one axis after the
    other; the second derivatives in the order 11, 12, 13, 22, 23, 33. */
 static void Evaluate(const struct _Body *self, const PetscReal at[SPACE], PetscReal *value,
@@ -28,7 +59,7 @@ static void Evaluate(const struct _Body *self, const PetscReal at[SPACE], PetscR
   const PetscReal *c;
 
   for (int d = 0; d < SPACE; d++) EvenEvaluate(self->n[d], at[d], &e[d]);
-  c = self->c + (size_t)up->first * (size_t)sheet + (size_t)(e[1].first * row + e[0].first);
+  c = Corner(self, e);
   *value = 0;
   for (int d = 0; d < SPACE; d++) slope[d] = 0;
   for (int k = 0; k < 6; k++) curve[k] = 0;
@@ -91,8 +122,9 @@ PetscBool BodyAt(Body self, const PetscReal x[3], PetscReal within, SurfacePoint
     at[d] = (x[d] - self->origin[d]) / self->spacing[d];
     if (!(at[d] >= 0 && at[d] <= self->n[d] - 1)) return PETSC_FALSE;
   }
+  /* (the flare but adds to it) */
+  if (self->sign * Value(self, at) >= within) return PETSC_FALSE;
   Evaluate(self, at, &value, slope, curve);
-  if (self->sign * value >= within) return PETSC_FALSE; /* the flare but adds to it */
   point->distance = self->sign * value;
   for (int d = 0; d < SPACE; d++) {
     point->normal[d] = self->sign * slope[d] / self->spacing[d];
@@ -118,24 +150,24 @@ static void AlongAxis(PetscInt n, size_t stride, PetscReal *first, PetscReal *wo
 
 /* From the values [n3][n2][n1] to the coefficients, axis by axis. */
 static PetscErrorCode SetCoefficients(Body self, const PetscReal *values) {
-  const PetscInt *n = self->n, most = PetscMax(n[0], PetscMax(n[1], n[2]));
-  const size_t row = (size_t)n[0] + 2, sheet = row * ((size_t)n[1] + 2);
+  const PetscInt n1 = self->n[0], n2 = self->n[1], n3 = self->n[2],
+                 most = PetscMax(n1, PetscMax(n2, n3));
+  const size_t row = (size_t)n1 + 2, sheet = row * ((size_t)n2 + 2);
   PetscReal *work, *c = self->c;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(3 * most + 2, &work));
-  for (PetscInt k = 0; k < n[2]; k++)
-    for (PetscInt j = 0; j < n[1]; j++) {
+  for (PetscInt k = 0; k < n3; k++)
+    for (PetscInt j = 0; j < n2; j++) {
       PetscReal *line = c + (size_t)(k + 1) * sheet + (size_t)(j + 1) * row;
-      PetscCall(PetscArraycpy(line + 1, values, n[0]));
-      values += n[0];
-      AlongAxis(n[0], 1, line, work);
+      PetscCall(PetscArraycpy(line + 1, values, n1));
+      values += n1;
+      AlongAxis(n1, 1, line, work);
     }
-  for (PetscInt k = 0; k < n[2]; k++)
-    for (PetscInt i = 0; i < n[0] + 2; i++)
-      AlongAxis(n[1], row, c + (size_t)(k + 1) * sheet + i, work);
-  for (PetscInt j = 0; j < n[1] + 2; j++)
-    for (PetscInt i = 0; i < n[0] + 2; i++) AlongAxis(n[2], sheet, c + (size_t)j * row + i, work);
+  for (PetscInt k = 0; k < n3; k++)
+    for (PetscInt i = 0; i < n1 + 2; i++) AlongAxis(n2, row, c + (size_t)(k + 1) * sheet + i, work);
+  for (PetscInt j = 0; j < n2 + 2; j++)
+    for (PetscInt i = 0; i < n1 + 2; i++) AlongAxis(n3, sheet, c + (size_t)j * row + i, work);
   PetscCall(PetscFree(work));
   PetscFunctionReturn(0);
 }
@@ -179,17 +211,16 @@ static PetscErrorCode CheckGrid(const struct _Body *self, const char *what, cons
 
 /* The largest eigenvalue of a symmetric matrix, by the roots of its cubic. */
 static PetscReal Largest(const PetscReal a[SPACE][SPACE]) {
-  const PetscReal mean = (a[0][0] + a[1][1] + a[2][2]) / 3,
-                  b[SPACE] = {a[0][0] - mean, a[1][1] - mean, a[2][2] - mean};
-  const PetscReal off = PetscSqr(a[0][1]) + PetscSqr(a[0][2]) + PetscSqr(a[1][2]),
+  const PetscReal mean = (a[0][0] + a[1][1] + a[2][2]) / 3, xy = a[0][1], xz = a[0][2],
+                  yz = a[1][2], off = PetscSqr(xy) + PetscSqr(xz) + PetscSqr(yz),
+                  b[SPACE] = {a[0][0] - mean, a[1][1] - mean, a[2][2] - mean},
+                  row[SPACE][SPACE] = {{b[0], xy, xz}, {xy, b[1], yz}, {xz, yz, b[2]}},
                   size = PetscSqrtReal((Dot3(b, b) + 2 * off) / 6);
-  PetscReal half;
+  PetscReal across[SPACE], half;
 
   if (size == 0) return mean;
-  half =
-      (b[0] * (b[1] * b[2] - a[1][2] * a[1][2]) - a[0][1] * (a[0][1] * b[2] - a[1][2] * a[0][2]) +
-       a[0][2] * (a[0][1] * a[1][2] - b[1] * a[0][2])) /
-      (2 * size * size * size);
+  Cross3(row[1], row[2], across);
+  half = Dot3(row[0], across) / (2 * size * size * size); /* the determinant */
   return mean + 2 * size * PetscCosReal(PetscAcosReal(PetscMax(-1, PetscMin(1, half))) / 3);
 }
 

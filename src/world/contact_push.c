@@ -59,7 +59,8 @@ static void PushInPlane(const Contact *contact, const Touch *touch, const Rubbed
   push->normal = ContactPressure(contact, touch->gap, &slope);
   if (mu > 0) FrictionForce(1, &contact->rub, &u, dual ? dual : &none, &w);
   rubbing = mu * push->normal * w;
-  push->couple = push->force[2] = 0;
+  push->couple = 0;
+  Zero3(push->force);
   push->power = rubbing * u;
   push->force[0] = push->normal * n[0] + rubbing * n[1];
   push->force[1] = push->normal * n[1] - rubbing * n[0];

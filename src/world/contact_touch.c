@@ -86,10 +86,11 @@ static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
   t->moves = self->surfaces.surface[which].motion.any;
   TurnBack3(self->lab, point->normal, t->normal);
   for (int d = 0; d < 3; d++) TurnBack3(self->lab, point->bend[d], part[d]);
-  for (int d = 0; d < 3; d++)
-    for (int c = 0; c < 3; c++)
-      t->bend[d][c] = self->lab[0][d] * part[0][c] + self->lab[1][d] * part[1][c] +
-                      self->lab[2][d] * part[2][c];
+  for (int c = 0; c < 3; c++) {
+    PetscReal column[3];
+    Column3(part[0], 3, c, column);
+    for (int d = 0; d < 3; d++) t->bend[d][c] = ColumnDot3(self->lab[0], 3, d, column);
+  }
   if (t->moves) Moves(self, which, y, point, t);
 }
 

@@ -359,6 +359,7 @@ static PetscBool LookAtListed(Look *look, PetscInt wall, PetscReal reach, const 
   enum { MOST = 64 };
   const Wall *self = &look->walls->wall[wall];
   const PetscReal same = 1 + 1e-9;
+  const PetscReal inner = look->touch ? self->number[0] - look->radius - look->within : 0;
   PetscReal away[MOST];
   const int n = *list++;
   WallTouch at[MOST];
@@ -370,6 +371,7 @@ static PetscBool LookAtListed(Look *look, PetscInt wall, PetscReal reach, const 
     if (!WallPieceDistance(&self->piece[list[k]], look->at, &at[k].gap, &at[k].normal, &at[k].bend))
       continue;
     away[k] = AxisDistance(self, &self->piece[list[k]], look->at, at[k].gap);
+    if (same * away[k] < inner) return PETSC_TRUE; /* too near to the axis to touch */
     look->far = PetscMin(look->far, away[k]);
   }
   if (!(same * look->far <= reach)) return PETSC_FALSE;

@@ -38,6 +38,8 @@ struct _Tube {
   Blocks near; /* the pieces */
   Block box;
   PetscReal widest, narrowest, smallest;
+  PetscInt latest; /* the piece that was looked at last, */
+  PetscReal at;    /* and where on it: the next place is not far */
 };
 
 /* ---- the path ---- */
@@ -264,6 +266,26 @@ static void DeriveOnPath(const struct _Tube *self, const Sight *sight, SurfacePo
   for (int d = 0; d < 3; d++) point->normal[d] /= PetscSqrtReal(size);
 }
 
+/* Is a place deeper within the tube than is asked? Most are, and a ball of the path beside the
+   latest one tells: there, or where a step of Newton's method leads from it. */
+static PetscBool IsDeep(Tube self, const PetscReal x[3], PetscReal enough) {
+  enum { TRIES = 3 };
+  Sight sight;
+
+  for (int k = 0; k < TRIES; k++) {
+    See(self, self->piece[self->latest].segment, self->at, x, &sight);
+    if (sight.F > enough) return PETSC_TRUE;
+    if (!(sight.F2 < 0)) break;
+    self->at -= sight.F1 / sight.F2;
+    while (self->at > self->piece[self->latest].b && self->latest + 1 < self->pieces)
+      self->latest++;
+    while (self->at < self->piece[self->latest].a && self->latest > 0) self->latest--;
+    self->at =
+        PetscMax(self->piece[self->latest].a, PetscMin(self->piece[self->latest].b, self->at));
+  }
+  return PETSC_FALSE;
+}
+
 /*
   TubeAt - the distance of a place from the tube's wall, above 0 where the rod may be, its gradient
   and second derivatives, if it is below `within`. Not collective.
@@ -278,11 +300,15 @@ PetscBool TubeAt(Tube self, const PetscReal x[3], PetscReal within, SurfacePoint
   PetscBool end;
   Sight sight;
 
+  if (self->inside && IsDeep(self, x, within)) return PETSC_FALSE;
   search.enough = self->inside ? within : PETSC_MAX_REAL;
   search.best = self->inside ? -self->widest : -within;
   BlocksNear(self->near, &place, self->widest - search.best, Meet, &search);
-  if (search.piece < 0 || search.best > search.enough) return PETSC_FALSE;
+  if (search.piece < 0) return PETSC_FALSE;
   piece = &self->piece[search.piece];
+  self->latest = search.piece;
+  self->at = search.u;
+  if (search.best > search.enough) return PETSC_FALSE;
   See(self, piece->segment, search.u, x, &sight);
   if (self->inside ? sight.F >= within || sight.F < -sight.ball.y[RADIUS] : -sight.F >= within)
     return PETSC_FALSE;

@@ -392,6 +392,7 @@ static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
 static PetscErrorCode TakeMotion(const Maker *self, PetscInt *n, char *word[]) {
   const WallKind kind = self->wall->kind;
   SurfaceMotion *motion = &self->wall->motion;
+  Schedule upward;
   PetscReal out;
 
   PetscFunctionBegin;
@@ -401,10 +402,11 @@ static PetscErrorCode TakeMotion(const Maker *self, PetscInt *n, char *word[]) {
       "-wall_file %s, line %d: walls of the plane do not turn, surfaces in space do; in place "
       "of this %s give %s and then turns RATE X Y Z AX AY AZ",
       self->file, self->line, wall_kind[kind], wall_in_space[kind]);
+  upward = motion->place[2];
   out = motion->velocity[2];
-  for (PetscInt k = 0; motion->place[2] && k < ScheduleRows(motion->place[2]); k++) {
+  for (PetscInt k = 0; upward && k < ScheduleRows(upward); k++) {
     PetscReal t, x;
-    ScheduleGetRow(motion->place[2], k, &t, &x);
+    ScheduleGetRow(upward, k, &t, &x);
     out = PetscMax(out, PetscAbsReal(x));
   }
   UserCheck(out == 0, OptionsComm(),

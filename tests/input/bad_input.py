@@ -86,6 +86,8 @@ CASES = [
     ("-friction_beta 1e-3x", "-friction_beta"),
     ("-clamp_angle inf", "-clamp_angle"),
     ("-clamp_type loose", "-clamp_type"),
+    ("-rod_stiffness 2", "-rod_stiffness: is of one of several rods"),
+    ("-clamp_on a", "-clamp_on: is of one of several rods"),
     ("-clamp_type free -growth_type feed", "-clamp_type free: rods that are fed in"),
     ("-clamp_type free -rod_model mixed", "-clamp_type: the mixed model's rod"),
     ("-clamp_type free -rod_model space", "-friction_radius"),
@@ -699,7 +701,8 @@ def main():
     choice = parser.parse_args()
     os.environ.update(OMP_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
                       OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
-                      OMPI_MCA_ess_singleton_isolated="1")  # no helper process: a quicker start
+                      OMPI_MCA_ess_singleton_isolated="1",  # no helper process: a quicker start
+                      OMPI_MCA_odls_base_sigkill_timeout="0")  # and no second's wait for the other ranks of a refusal
     tendril = str(Path(choice.tendril).resolve())
     count = failed = 0
 

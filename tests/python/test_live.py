@@ -120,7 +120,7 @@ class Faults(Live):
         self.assertEqual(self.status(f"picture/feed.png?{self.query}"), 200)
         with self.socket() as socket:
             told(socket, "whole")
-            for line, word in (("tube /etc/passwd inside", "/etc/passwd"), ("body secret.h5 inside", "body"), ("sphere 1 1 1 1 outside moves ../../path.txt", "path.txt")):
+            for line, word in (("tube /etc/passwd inside", "/etc/passwd"), ("body secret.h5 inside", "secret.h5"), ("sphere 1 1 1 1 outside moves ../../path.txt", "path.txt")):
                 socket.send(json.dumps({"do": "draw", "form": {"growth_type": "feed", "contact_diameter": "1mm", "walls": line}}))
                 self.assertRegex(told(socket, "refused", field="walls")["text"], f"line 1: .*{word}.* neither a number nor a word")
             for what in ("../../mine", "scene\n", 7, None, ["scene"]):
@@ -178,6 +178,40 @@ class Faults(Live):
             self.assertIn(self.query, answer.read().decode())
         self.assertEqual(self.status(path), 403)
         self.assertEqual(self.status(path, {"Host": "rebound.example"}), 403)
+
+    def test_a_mesh_is_dropped_in_parts(self):
+        from tendril.starting_page import first_scene
+
+        corners, faces = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)], [(k, m, n) if a * b * c > 0 else (k, n, m)
+                                                                                                  for a, k in ((1, 1), (-1, 2)) for b, m in ((1, 3), (-1, 4)) for c, n in ((1, 5), (-1, 6))]
+        mesh = "".join(f"v {10 * x} {10 * y} {10 * z}\n" for x, y, z in corners) + "".join("f {} {} {}\n".format(*face) for face in faces)
+        form = {field["name"]: field["value"] for field in first_scene()["fields"]}
+        more = {"do": "file", "name": "../../my stone.obj", "parts": 2, "unit": "mm", "side": "outside", "at": "60 0 0", "diameter": "0.02"}
+        parts = [base64.b64encode(part.encode()).decode() for part in (mesh[:100], mesh[100:])]
+
+        def drop(socket, **other):
+            for k, part in enumerate(parts):
+                socket.send(json.dumps(more | {"part": k, "data": part} | other))
+
+        with self.socket() as socket:
+            told(socket, "whole")
+            drop(socket)
+            self.assertEqual(told(socket, "made")["line"], "body my-stone.h5 outside")
+            socket.send(json.dumps({"do": "draw", "form": form | {"contact_diameter": "0.02", "walls": "body my-stone.h5 outside"}}))
+            drawn = told(socket, "drawn")
+            places = drawn["length"] * np.reshape(drawn["walls"][0]["vertices"], (-1, 3))
+            np.testing.assert_allclose([places.min(axis=0), places.max(axis=0)], [[0.05, -0.01, -0.01], [0.07, 0.01, 0.01]], atol=2e-3)
+            self.assertTrue(drawn["space"])
+            for other, line in (({"name": "stone.exe"}, "give a mesh"), ({"unit": "parsec"}, "parsec: give one of"), ({"side": "under"}, "inside or outside"),
+                                ({"at": "6 0"}, "three numbers"), ({"data": "?", "part": 0}, "cannot be read"),
+                                ({"part": 1, "name": "another"}, "beginning has not come"), ({"data": "bm90aGluZw==", "parts": 1, "part": 0}, "^my-stone-dropped.obj: ")):
+                with self.subTest(line):
+                    if "part" in other:
+                        socket.send(json.dumps(more | {"data": parts[0]} | other))
+                    else:
+                        drop(socket, **other)
+                    self.assertRegex(told(socket, "refused", field="file")["text"], line)
+        self.assertEqual(sorted(file.name for file in Path(self.live.server.directory.name).rglob("*stone*.obj")), ["my-stone-dropped.obj"])
 
     def test_a_form_names_the_field_that_is_wrong(self):
         from tendril.starting_page import first_scene
@@ -259,6 +293,8 @@ class Sessions(unittest.TestCase):
             session.obey({"do": "back", "t": 0.5 * sum(ends)})
             session.step()
             self.assertEqual(session.whole()["lamp"], [3, 2, 0])
+            with self.assertRaisesRegex(tendril.TendrilError, "would stand on the rod"):
+                session.do_lamp({"place": (session.sim.nodes["x"][20] + 1e-5).tolist()})
             while not session.branch.ended:
                 session.step()
                 session.look()
@@ -495,22 +531,42 @@ class Browser(Live):
             self.assertEqual(browser.complaints, [])
 
     def test_from_nothing_to_a_picture_of_ones_own_scene(self):
+        from tendril.starting_page import first_scene
+
+        click = "[...document.querySelectorAll('button')].find((one) => one.textContent === '%s').click()"
+        text = "document.querySelector('.l-walls').value"
         with tendril.live(results=self.results) as live, chromium.Chromium() as browser:
             browser.go(live.address)
             browser.until("document.querySelectorAll('.l-card img').length > 10 && document.querySelector('.hint').textContent.includes('cm')")
-            browser.say("(() => { const one = document.querySelector('[aria-label=diameter]'); one.value = '-1'; one.dispatchEvent(new Event('input')); })()")
-            browser.until("[...document.querySelectorAll('.l-field .l-why')].some((one) => one.textContent)")
-            browser.say("(() => { const one = document.querySelector('[aria-label=diameter]'); one.value = '3mm'; one.dispatchEvent(new Event('input')); })()")
-            browser.until("![...document.querySelectorAll('.l-field .l-why')].some((one) => one.textContent)")
-            browser.say("[...document.querySelectorAll('button')].find((one) => one.textContent === 'run it').click()")
-            browser.until(f"{PAGE}.S.scene && {PAGE}.S.frame")
-            browser.say(f"{PAGE}.send('pace', {{pace: null}})")
+            self.assertTrue(browser.say("document.getElementById('home').hidden"))
+            browser.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+            self.assertLessEqual(browser.say("document.documentElement.scrollWidth"), 390)
+            node = browser.call("DOM.querySelector", nodeId=browser.call("DOM.getDocument")["root"]["nodeId"], selector="input[type=file]")["nodeId"]
+            (self.results.parent / "my duct.csv").write_text("x,y,z,r\n" + "".join(f"{10 * k},0,{k * k},12\n" for k in range(9)))
+            browser.call("DOM.setFileInputFiles", nodeId=node, files=[str(self.results.parent / "my duct.csv")])
+            browser.until(f"{click % 'make a wall of it'} || true")
+            browser.until(f"{text}.includes('tube my-duct.csv inside')")
+            self.assertLessEqual(browser.say("document.documentElement.scrollWidth"), 390)
+            browser.call("Emulation.setDeviceMetricsOverride", width=1400, height=900, deviceScaleFactor=1, mobile=False)
+            browser.say(f"(() => {{ const one = document.querySelector('.l-walls'); one.value = one.value.split('\\n').filter((line) => line.startsWith('tube')).join('\\n'); "
+                        "one.dispatchEvent(new Event('input')); })()")
+            browser.until(f"{PAGE}.S.drawn && {PAGE}.S.drawn.space && {PAGE}.S.drawn.walls[0].vertices.length > 300")
+            browser.say(f"(() => {{ const one = document.querySelector('.l-walls'); one.value = {json.dumps(first_scene()['walls'])}; one.dispatchEvent(new Event('input')); }})()")
+            for value, wrong in (("-1", True), ("3mm", False)):
+                browser.say(f"(() => {{ const one = document.querySelector('[aria-label=diameter]'); one.value = '{value}'; one.dispatchEvent(new Event('input')); }})()")
+                browser.until(f"[...document.querySelectorAll('.l-field .l-why')].some((one) => one.textContent) === {str(wrong).lower()}")
+            browser.until(f"{PAGE}.S.drawn && {PAGE}.S.drawn.walls.length === 2")
+            stone = json.loads(browser.say(f"""(() => {{ const one = {PAGE}.S.drawn.stage, [x, y] = one.place(...{PAGE}.S.drawn.walls[0].circle), box = one.canvas.getBoundingClientRect();
+              return JSON.stringify([x + box.left, y + box.top, one.scale * 0.01 / {PAGE}.S.drawn.length]); }})()"""))
+            browser.drag(stone[:2], (stone[0] - stone[2], stone[1] + 0.5 * stone[2]))  # a centimetre to the left, half one down
+            self.assertRegex(browser.say(text), r"\ncircle (5|4.99|5.01)cm (0.6|0.59\d|0.60\d)cm 8mm outside\ncircle 9cm")
+            browser.say(click % "add a stone")
+            browser.until(f"{PAGE}.S.drawn.walls.length === 3")
+            browser.say(click % "run it")
+            browser.until(f"{PAGE}.S.scene && {PAGE}.S.frame && {PAGE}.S.t > 1")  # a click runs
             browser.press(" ", "Space")
-            browser.until(f"{PAGE}.S.t > 1")
-            browser.press(" ", "Space")
-            browser.say("[...document.querySelectorAll('button')].find((one) => one.textContent === 'picture').click()")
-            browser.until("[...document.querySelectorAll('.l-files a')].some((one) => one.textContent === 'mine-played.png')")
-            self.assertEqual(browser.say("fetch(document.querySelector('.l-files a[href*=png]').href).then((one) => one.status)"), 200)
+            browser.say(click % "picture")
+            browser.until("[...document.querySelectorAll('.l-files img')].some((one) => one.naturalWidth > 500)")
             self.assertEqual(browser.complaints, [])
 
 

@@ -406,7 +406,7 @@ static PetscReal WorkError(PetscInt cells) {
   CHECK(StrandsCreate(scene, &strands));
   CHECK(GrowthLength(scene->growth, t, &L, NULL));
   for (int k = 0; k < 3; k++) {
-    StrandState state = {.t = t, .stride = NODE_VALUES};
+    StrandState state = {.t = t, .stride = NODE_VALUES, .between = NODE_BETWEEN};
     CHECK(PetscCalloc1(cells + 1, &nodes[k]));
     Spiral(scene->mesh.s, cells, L, (k - 1) * e, nodes[k]);
     if (k == 1) continue;
@@ -417,7 +417,8 @@ static PetscReal WorkError(PetscInt cells) {
     energy[k / 2] = sum.energy;
   }
   {
-    StrandState state = {.t = t, .stride = NODE_VALUES, .u = nodes[1][0].x};
+    StrandState state = {
+        .t = t, .stride = NODE_VALUES, .between = NODE_BETWEEN, .u = nodes[1][0].x};
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
     StrandsSum(strands, 0, &sum);

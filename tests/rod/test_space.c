@@ -176,8 +176,8 @@ static void PlaceOf(Rod rod, PetscReal t, PetscInt cell, PetscReal z, PetscReal 
     Hermite(z, value, slope, bend);
     Directors(node->p, QuaternionSize(node->p), d);
     for (int k = 0; k < 3; k++) {
-      at[k] += value[2 * e] * node->x3[k] + value[2 * e + 1] * h * g[e] * d[0][k];
-      at[3 + k] += slope[2 * e] * node->x3[k] + slope[2 * e + 1] * h * g[e] * d[0][k];
+      at[k] += value[2 * e] * node->x[k] + value[2 * e + 1] * h * g[e] * d[0][k];
+      at[3 + k] += slope[2 * e] * node->x[k] + slope[2 * e + 1] * h * g[e] * d[0][k];
     }
   }
   CHECK(PetscFree(nodes));
@@ -475,7 +475,7 @@ static PetscInt Statics(Rod rod, PetscReal tip[3]) {
     CHECK(VecNorm(x, NORM_INFINITY, &update));
   }
   CHECK(rod->model->get(rod, 0, U, NULL, nodes));
-  for (int d = 0; d < 3; d++) tip[d] = nodes[n - 1].x3[d];
+  for (int d = 0; d < 3; d++) tip[d] = nodes[n - 1].x[d];
   CHECK(PetscFree(nodes));
   CHECK(MatDestroy(&none));
   CHECK(PCDestroy(&pc));

@@ -71,8 +71,8 @@ static void Coils(Rod rod, PetscReal t, PetscReal e, Node *nodes) {
   CHECK(RodInitialNodes(rod, t, nodes));
   for (PetscInt i = 0; i <= rod->last; i++) {
     const PetscReal s = rod->scene->mesh.s[i];
-    nodes[i].x3[0] += e * s * s;
-    nodes[i].x3[1] += e * sin(3 * s);
+    nodes[i].x[0] += e * s * s;
+    nodes[i].x[1] += e * sin(3 * s);
   }
 }
 
@@ -82,10 +82,10 @@ static PetscReal PointAt(Rod rod, const Node *nodes, const PetscReal *g, PetscIn
   const Node *a = nodes + k / 2, *b = a + 1;
   PetscReal da[3][3], db[3][3];
 
-  if (k % 2 == 0) return a->x3[d];
+  if (k % 2 == 0) return a->x[d];
   Directors(a->p, QuaternionSize(a->p), da);
   Directors(b->p, QuaternionSize(b->p), db);
-  return (a->x3[d] + b->x3[d]) / 2 +
+  return (a->x[d] + b->x[d]) / 2 +
          (s[k / 2 + 1] - s[k / 2]) / 8 * (g[k / 2] * da[0][d] - g[k / 2 + 1] * db[0][d]);
 }
 
@@ -151,7 +151,7 @@ static PetscReal WorkError(PetscInt cells) {
     StrandState state = {.t = t, .stride = NODE_VALUES};
     CHECK(PetscCalloc1(cells + 1, &nodes[which]));
     Coils(rod, t, (which - 1) * e, nodes[which]);
-    state.u = nodes[which][0].x3;
+    state.u = nodes[which][0].x;
     CHECK(StrandsSearch(strands, &state));
     CHECK(StrandsLoad(strands, &state));
     StrandsSum(strands, 0, &sum);
@@ -252,9 +252,9 @@ static void TestSpins(void **state) {
   for (PetscInt i = 0; i <= rod->last; i++) {
     const PetscReal about[3] = {omega / 2, 0, 0};
     QuaternionTurn(nodes[i].p, about, nodes[i].p_t);
-    for (int d = 0; d < 3; d++) nodes[i].x3_t[d] = 0;
+    for (int d = 0; d < 3; d++) nodes[i].x_t[d] = 0;
   }
-  StrandState at = {.t = 0, .stride = NODE_VALUES, .u = nodes[0].x3, .u_t = nodes[0].x3_t};
+  StrandState at = {.t = 0, .stride = NODE_VALUES, .u = nodes[0].x, .u_t = nodes[0].x_t};
   CHECK(StrandsSearch(strands, &at));
   CHECK(StrandsLoad(strands, &at));
   StrandsSum(strands, 0, &sum);

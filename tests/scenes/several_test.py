@@ -208,8 +208,7 @@ def what_is_wrong_is_told_with_rod_and_line():
 @check(ranks=2)
 def several_ranks_are_refused():
     path = file("[rod a]\n")
-    done = subprocess.run([scene.MPIEXEC, "-n", "2", scene.TENDRIL, "-options_file", str(path)], capture_output=True, text=True,
-                          env=scene.ENVIRONMENT)
+    done = scene.on_ranks(2, ["-options_file", str(path)])
     expect(done.returncode != 0 and "[rod a]: several rods run on one rank in this version" in done.stderr, done.stderr)
 
 

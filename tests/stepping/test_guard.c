@@ -18,8 +18,8 @@ static Vec State(Rod rod, PetscReal bend, PetscReal angle) {
     Node *node = &nodes[i - rod->first];
     const PetscReal along = PetscMax(0, s[i] - bend);
     node->theta = s[i] > bend ? angle : 0;
-    node->x[0] = node->x3[0] = PetscMin(s[i], bend) + along * PetscCosReal(angle);
-    node->x[1] = node->x3[1] = along * PetscSinReal(angle);
+    node->x[0] = PetscMin(s[i], bend) + along * PetscCosReal(angle);
+    node->x[1] = along * PetscSinReal(angle);
     node->p[0] = PetscCosReal(node->theta / 2); /* in space */
     node->p[3] = PetscSinReal(node->theta / 2);
   }
@@ -135,7 +135,7 @@ static void Loop(PetscReal back, PetscReal turn, PetscReal along, Node node[6]) 
   const PetscReal at[6][3] = {{-1, 0, 0}, {1, 0, 0},    {2, 0, 0},
                               {2, 3, 0},  {s, c, back}, {-s, -c, back}};
   for (int i = 0; i < 6; i++)
-    for (int d = 0; d < 3; d++) node[i].x3[d] = at[i][d] + (d == 0 && i > 3 ? along : 0);
+    for (int d = 0; d < 3; d++) node[i].x[d] = at[i][d] + (d == 0 && i > 3 ? along : 0);
 }
 
 static PetscBool PassesItself(const PetscReal from[3], const PetscReal to[3]) {

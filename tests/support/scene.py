@@ -10,6 +10,7 @@ import tempfile
 from functools import lru_cache, partial
 from pathlib import Path
 
+from held import HANG
 from interpreter import ROOT, from_venv
 
 try:
@@ -134,6 +135,12 @@ def tendril(options, code=0):
     if code:
         expect(done.stderr.startswith("tendril: ") and done.stderr.count("\n") == 1, done.stderr)
     return done.stderr if code else done.stdout
+
+
+def on_ranks(ranks, words):
+    """A run of it on so many ranks, however that ends: it is not waited a second for the others when one has ended badly."""
+    return subprocess.run([MPIEXEC, "-n", str(ranks), TENDRIL, *words], capture_output=True, text=True,
+                          env=dict(ENVIRONMENT, OMPI_MCA_odls_base_sigkill_timeout="0"), timeout=HANG)
 
 
 def read(file):

@@ -64,7 +64,8 @@ class Stage {
     for (const wall of scene.walls) {  // stones near the rod are seen whole
       if (!wall.circle || wall.inside) continue;
       const [x, y, r] = wall.circle;
-      if (x - r < to[0] + 0.5 * size && x + r > from[0] - 0.5 * size && y - r < to[1] + 0.5 * size && y + r > from[1] - 0.5 * size) {
+      const far = Math.max(0.5 * size, Math.min(scene.reach || 0, 5 * size));  // as far as the rod will come
+      if (x - r < to[0] + far && x + r > from[0] - far && y - r < to[1] + far && y + r > from[1] - far) {
         low[0] = Math.min(low[0], x - r); high[0] = Math.max(high[0], x + r);
         low[1] = Math.min(low[1], y - r); high[1] = Math.max(high[1], y + r);
       }
@@ -217,6 +218,12 @@ class Stage {
     for (const v of values) most = Math.max(most, Math.abs(v));
     this.most[kind] = kind === "growth" ? most || 1 : Math.max(this.most[kind] || 0, most);
     ctx.lineWidth = thick - 0.4;
+    for (const i of [0, values.length - 1]) {  // its ends are round
+      ctx.fillStyle = rgb(signed(ENDS_OF[kind], values[i], this.most[kind]));
+      ctx.beginPath();
+      ctx.arc(...this.place(x[3 * i], x[3 * i + 1], x[3 * i + 2]), ctx.lineWidth / 2, 0, 2 * Math.PI);
+      ctx.fill();
+    }
     ctx.lineCap = "butt";
     for (let i = 0; i + 1 < values.length; i++) {
       const [ax, ay] = this.place(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
@@ -247,6 +254,14 @@ class Stage {
     return [scale * (right[0] * f[i] + right[1] * f[i + 1] + right[2] * f[i + 2]), -scale * (up[0] * f[i] + up[1] * f[i + 1] + up[2] * f[i + 2])];
   }
 
+  // of places along the rod each so manieth, so that they are not closer than arrows can be told apart
+  apart(places) {
+    const n = places.length / 3, a = this.place(places[0], places[1], places[2]);
+    let long = 0;
+    for (let i = 3, b = a; i < places.length; i += 3) { const c = this.place(places[i], places[i + 1], places[i + 2]); long += Math.hypot(c[0] - b[0], c[1] - b[1]); b = c; }
+    return Math.max(1, Math.min(n, Math.ceil(22 * n / (long + 1))));
+  }
+
   drawForces(frame) {
     for (const [name, colour, end] of [["friction", DRAG, false], ["contact", PUSH, true]]) {
       const f = frame[name];
@@ -254,8 +269,8 @@ class Stage {
       let most = 0;
       for (let i = 0; i < f.length; i += 3) most = Math.max(most, Math.hypot(f[i], f[i + 1], f[i + 2]));
       this.most[name] = Math.max((this.most[name] || 0) * 0.98, most, 1e-12);
-      const scale = Math.min(46, this.width / 11) / this.most[name];
-      for (let i = 0; i < f.length; i += 3) {
+      const scale = Math.min(46, this.width / 11) / this.most[name], step = 3 * this.apart(frame.places);
+      for (let i = 0; i < f.length; i += name === "friction" ? step : 3) {
         const way = this.shown(f, i, scale), at = this.place(frame.places[i], frame.places[i + 1], frame.places[i + 2]);
         this.arrow(end ? [at[0] - way[0], at[1] - way[1]] : at, way, colour, end ? 1.8 : 1.2);
       }

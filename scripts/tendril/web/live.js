@@ -61,7 +61,7 @@ function mount(root, connection) {
     if (m.kind === "study") { study = mountStudy(root, m); page = null; return; }
     if (study && ["member", "tried", "fresh", "stage", "ended"].includes(m.kind)) { study.hear(m); return; }
     const act = { scene: hearScene, whole: hearWhole, frame: hearFrame, state: hearState, happened: hearHappened, done: hearDone, refused: hearRefused,
-      busy: (one) => { S.slow = one.seconds; tell(); }, start: showStart, drawn: showDrawn }[m.kind];
+      busy: (one) => { S.slow = one.seconds; tell(); }, start: showStart, drawn: showDrawn, made: hearMade }[m.kind];
     if (act) act(m);
   };
 
@@ -78,6 +78,7 @@ function mount(root, connection) {
     document.title = `${scene.name}, live`;
     const title = document.getElementById("title");
     if (title) title.textContent = scene.name;
+    if (home) home.hidden = false;
     showRun();
   }
 
@@ -103,10 +104,10 @@ function mount(root, connection) {
     if (S.rows.length > 9000) S.rows = S.rows.filter((_, i) => i % 2 === 0 || i > S.rows.length - 1000);
     S.frames.push([m.t, m.frame]);
     if (S.frames.length > 700) S.frames = S.frames.filter((_, i) => i % 2 === 0);
-    S.before = S.frame;
+    const now = performance.now(), waits = S.running && S.pace ? 1000 * (m.t - S.t) / S.pace : 0;
+    S.before = waits > 120 ? shown() : S.frame;  // (from where it is seen to be)
     S.frame = unpackFrame(m.frame);
-    const now = performance.now();
-    S.every = Math.min(120, Math.max(16, now - S.came));
+    S.every = waits > 120 ? Math.min(waits, 2000) : Math.min(120, Math.max(16, now - S.came));
     S.came = now;
     Object.assign(S, { t: m.t, walls: m.walls, rates: m.rates, hand: m.hand, lamp: m.lamp, pull: m.pull, slow: 0 });
     S.fresh = true;
@@ -124,9 +125,11 @@ function mount(root, connection) {
   }
 
   const hearHappened = (m) => { if (m.branch === S.branch) say(`t = ${time(m.t)}: ${m.text}`, m.text.startsWith("gave up") ? "l-bad" : ""); };
-  const hearDone = (m) => say(m.text, m.text.startsWith("checked") ? "l-good" : m.text.includes("differs") ? "l-bad" : "");
+  const hearDone = (m) => { if (m.text.endsWith("is written")) S.wrote = (S.wrote || 0) + 1; said(m); };
+  const said = (m) => say(m.text, m.text.startsWith("checked") ? "l-good" : m.text.includes("differs") ? "l-bad" : "");
 
   function hearRefused(m) {
+    if (page && page.surfaceGo) page.surfaceGo.disabled = false;
     if (m.field && page && page.fields && page.fields[m.field]) {
       page.fields[m.field].why.textContent = m.text;
       page.fields[m.field].input.focus();
@@ -180,8 +183,8 @@ function mount(root, connection) {
     const left = make("div", {},
       page.box, make("div", { className: "l-bar" }, page.run, step, page.slider, page.now, page.branch, page.toEnd),
       page.told, make("div", { className: "l-bar" }, slower, faster, most, page.paceNow, undo, fit, colour, arrows, lab),
-      page.news, keysAndButtons(), make("div", { className: "l-controls" }, ...S.scene.controls.map(control)),
-      make("div", { className: "l-bar" }, make("b", { textContent: "write the" }), ...saves), page.files, page.tree);
+      page.news, keysAndButtons(), make("div", { className: "l-bar" }, make("b", { textContent: "write the" }), ...saves), page.files,
+      make("div", { className: "l-controls" }, ...S.scene.controls.map(control)), page.tree);
     const options = make("details", {}, make("summary", { textContent: "options it began with" }), make("pre", { textContent: S.scene.options }));
     root.replaceChildren(make("div", { className: "l-run" }, left, make("div", {}, page.charts, options)));
     stage = new Stage(canvas, () => ({ scene: S.scene, frame: shown(), ghost: ghostFrame(), walls: S.looking === null ? S.walls : {}, hand: S.hand, lamp: S.lamp, pull: S.pull, grabbed: S.grabbed,
@@ -300,7 +303,11 @@ function mount(root, connection) {
 
   function refreshControls() {
     for (const one of S.scene.controls) page.controls[one.name] && page.controls[one.name].show(S.values[one.name] ?? one.value);
-    page.files.replaceChildren(...S.written.map((name) => make("a", { href: connection.file ? connection.file(name) : "#", textContent: name, target: "_blank" })));
+    const links = S.written.map((name) => make("a", { href: connection.file ? connection.file(name) : "#", textContent: name, target: "_blank" }));
+    const seen = connection.file ? S.written.filter((name) => /\.(png|gif)$/.test(name)) : [];
+    if (page.files.told !== `${S.written} ${S.wrote}`)  // (a picture that is written anew is another)
+      page.files.replaceChildren(...links, ...seen.map((name) => make("img", { src: `${connection.file(name)}&${S.wrote}`, alt: `${name}, as it was written` })));
+    page.files.told = `${S.written} ${S.wrote}`;
   }
 
   const pace = (times) => send("pace", { pace: Math.min(1e6, (S.pace || S.end / 4) * times) });
@@ -328,8 +335,8 @@ function mount(root, connection) {
     const keys = make("div", { className: "l-keys" });
     for (const [key, text] of words) keys.append(make("span", { className: "l-key", textContent: key }), ` ${text}  `);
     const drags = [S.scene.walls.some((w) => w.moves) && "stones", S.scene.lamp && "the lamp", S.scene.pulls && "the tip (a force)", S.scene.leads && "the held tip"].filter(Boolean);
-    keys.append(drags.length ? `Drag ${drags.join(", ")}${S.scene.flat ? "; the rest moves the view" : "; the rest turns the view"}.` : "");
-    return make("div", {}, tools, keys);
+    const told = drags.length ? `Drag ${drags.join(", ")}${S.scene.flat ? "; the rest moves the view" : "; the rest turns the view"}.` : "";
+    return make("div", {}, tools, keys, make("div", { className: "l-keys", textContent: told }));
   }
 
   function keydown(event) {
@@ -534,6 +541,7 @@ function mount(root, connection) {
     S.scene = null;
     S.rows = [];
     page = { fields: {} };
+    if (home) home.hidden = !m.runs;
     const title = document.getElementById("title");
     if (title) title.textContent = "tendril live";
     const posts = make("select", { "aria-label": "stones to put" }, ...[0, 1, 3, 5, 10].map((n) => make("option", { value: n, textContent: n })));
@@ -563,25 +571,49 @@ function mount(root, connection) {
     page.told = null;
     page.words = make("p", { className: "hint" });
     const why = make("span", { className: "l-why", role: "alert" });
-    page.fields.walls = { input: walls, why };
+    page.fields.walls = page.fields.file = { input: walls, why };
+    Object.assign(page, { wallText: walls, changed });
     walls.oninput = changed;
+    const surfaces = make("div", { className: "l-bar" });
+    const asSurface = (file) => {  // what is to be made of a mesh or centre line is asked before
+      const mesh = /\.(stl|obj|ply|vtp|vtk)$/i.test(file.name);
+      const choice = (label, ...words) => make("select", { "aria-label": label }, ...words.map((word) => make("option", { value: word, textContent: word })));
+      const unitOf = choice("its unit", "mm", "cm", "m", "in"), side = mesh ? choice("where the rod is", "outside", "inside") : choice("where the rod is", "inside", "outside");
+      const at = make("input", { value: "60 0 0", "aria-label": "its middle", size: 9 });
+      const middle = make("label", { hidden: !mesh }, " with its middle at ", at);
+      side.onchange = () => { middle.hidden = !mesh || side.value === "inside"; };
+      const go = make("button", { type: "button", textContent: "make a wall of it", onclick: () => {
+        go.disabled = true;
+        why.textContent = "";
+        sendFile(file, { unit: unitOf.value, side: side.value, at: mesh && side.value === "outside" ? at.value : "", diameter: form.contact_diameter.value });
+      } });
+      page.surfaceGo = go;
+      surfaces.replaceChildren(make("b", { textContent: file.name }), " in ", unitOf, " the rod is ", side, middle, go);
+    };
     const take = (file) => {
       if (!file) return;
-      if (file.size > 300000) { why.textContent = `${file.name} is too large for the page; name it on the command line, with -wall_file`; return; }
+      why.textContent = "";
+      if (/\.(stl|obj|ply|vtp|vtk|csv|dat|json|fcsv)$/i.test(file.name)) { asSurface(file); return; }
+      if (file.size > 300000) { why.textContent = `${file.name} is too large for a wall file of the page; name it on the command line, with -wall_file`; return; }
       file.text().then((text) => {
-        if (/[^\t\n\r\x20-\x7e\u0080-\uffff]/.test(text)) { why.textContent = `${file.name} is no text; make surfaces of meshes with scripts/surface.sh, and name those in a wall file`; return; }
+        if (/[^\t\n\r\x20-\x7e\u0080-\uffff]/.test(text)) { why.textContent = `${file.name} is neither a wall file, nor a mesh (stl, obj, ply, vtp, vtk), nor a centre line (csv, dat, json, fcsv)`; return; }
         walls.value = text;
         changed();
       });
     };
+    const addStone = make("button", { type: "button", textContent: "add a stone", onclick: () => {
+      const [x, y] = page.stage ? page.stage.at(page.stage.width * 0.6, page.stage.height * 0.35) : [1, 1];
+      walls.value = `${walls.value.replace(/\s*$/, "")}\ncircle ${page.length(x)} ${page.length(y)} 8mm outside\n`;
+      changed();
+    } });
     walls.ondragover = (e) => { e.preventDefault(); walls.classList.add("l-over"); };
     walls.ondragleave = () => walls.classList.remove("l-over");
     walls.ondrop = (e) => { e.preventDefault(); walls.classList.remove("l-over"); take(e.dataTransfer.files[0]); };
     const go = make("button", { type: "button", className: "l-main", textContent: "run it", onclick: () => send("start", { form: gather(), posts: +posts.value }) });
     root.replaceChildren(make("div", {}, make("h2", { textContent: "A scene of one's own" }),
-      make("div", { className: "l-form" }, make("div", {}, ...fields), make("div", {}, page.drawn, page.words, make("b", { textContent: "walls" }),
-        make("small", { textContent: " one a line, or drop a file here; circle X Y R outside, plane X Y NX NY, path R X Y X Y, polygon" }), walls, why,
-        make("input", { type: "file", "aria-label": "a wall file", onchange: (e) => take(e.target.files[0]) }), page.trouble, make("div", { className: "l-bar" }, go))),
+      make("div", { className: "l-form" }, make("div", {}, ...fields), make("div", {}, page.drawn, page.words, page.trouble, make("div", { className: "l-bar" }, go, addStone, make("small", { textContent: "Stones can be dragged in the drawing." })), make("b", { textContent: "walls" }),
+        make("small", { textContent: " one a line: circle X Y R outside, plane X Y NX NY, path R X Y X Y, polygon. Or drop a file: of walls, a mesh (STL, OBJ, PLY, VTP, VTK), a centre line (CSV)." }), walls, why,
+        make("input", { type: "file", "aria-label": "a wall file, mesh or centre line", onchange: (e) => take(e.target.files[0]) }), surfaces)),
       make("label", {}, "stones to be put somewhere in the run, beside those above or of the scene: ", posts), make("h2", { textContent: "or one of the gallery" }), make("div", { className: "l-gallery" }, ...cards)));
     changed();
   }
@@ -589,11 +621,76 @@ function mount(root, connection) {
   function showDrawn(m) {
     if (!page || !page.drawn) return;
     page.words.textContent = m.told;
-    const x = Float32Array.from({ length: m.x.length / 2 * 3 }, (_, i) => (i % 3 < 2 ? m.x[Math.floor(i / 3) * 2 + i % 3] : 0));
-    const one = new Stage(page.drawn, () => ({ scene: { flat: true, walls: m.walls, diameter: m.diameter }, frame: { x }, walls: {}, colour: null, arrows: false }));
+    const x = Float32Array.from(m.x), old = page.stage;
+    const one = new Stage(page.drawn, () => ({ scene: { flat: !m.space, walls: m.walls, diameter: m.diameter }, frame: { x }, walls: {}, colour: null, arrows: false }));
+    page.length = (v) => (m.length !== 1 ? `${+(100 * m.length * v).toPrecision(3)}cm` : `${+v.toPrecision(3)}`);
     one.unit = [m.length * 100, m.length !== 1 ? "cm" : ""];
     one.see([-0.05 * m.end, 0, 0, Math.min(m.end, 8), 0, 0]);
+    for (const wall of m.walls) {
+      if (wall.circle && !wall.inside) one.see([wall.circle[0] - wall.circle[2], wall.circle[1] - wall.circle[2], 0, wall.circle[0] + wall.circle[2], wall.circle[1] + wall.circle[2], 0]);
+      else if (wall.vertices && m.space) one.see(wall.vertices.length < 30000 ? wall.vertices : wall.vertices.slice(0, 30000));
+    }
+    if (old && page.dragged) Object.assign(one, { fit: false, scale: old.scale, middle: old.middle });  // what is under the finger stays there
+    one.whole = true;
+    page.stage = one;
+    S.drawn = { ...m, stage: one };
+    dragStones(page.drawn, one, m);
     one.draw();
+  }
+
+  // stones of the drawing are dragged: their lines among the walls say then where they are
+  function dragStones(canvas, one, m) {
+    let held = null;
+    const point = (event) => { const box = canvas.getBoundingClientRect(); return [event.clientX - box.left, event.clientY - box.top]; };
+    const under = (at) => m.walls.find((wall) => {
+      if (!wall.circle || wall.inside || m.space) return false;
+      const [px, py] = one.place(wall.circle[0], wall.circle[1], 0);
+      return Math.hypot(at[0] - px, at[1] - py) < wall.circle[2] * one.scale + 8;
+    });
+    canvas.style.touchAction = "pan-y";
+    canvas.ontouchstart = (event) => { const t = event.touches[0]; if (under(point(t))) event.preventDefault(); };
+    canvas.onpointerdown = (event) => {
+      const at = point(event), wall = under(at);
+      if (!wall) return;
+      canvas.setPointerCapture(event.pointerId);
+      held = { wall, from: at, start: [...wall.circle] };
+      event.preventDefault();
+    };
+    canvas.onpointermove = (event) => {
+      if (!held) { canvas.style.cursor = under(point(event)) ? "grab" : "default"; return; }
+      const at = point(event), [dx, dy] = one.way(at[0] - held.from[0], at[1] - held.from[1]), circle = held.wall.circle;
+      [circle[0], circle[1]] = [held.start[0] + dx, held.start[1] + dy];
+      one.fit = false;
+      one.draw();
+    };
+    canvas.onpointerup = canvas.onpointercancel = () => {
+      if (!held) return;
+      const lines = page.wallText.value.split("\n"), k = held.wall.line - 1, circle = held.wall.circle;
+      lines[k] = (lines[k] || "").replace(/^(\s*circle[\s,]+)\S+?([\s,]+)\S+?([\s,])/, `$1${page.length(circle[0])}$2${page.length(circle[1])}$3`);
+      page.wallText.value = lines.join("\n");
+      page.dragged = true;
+      held = null;
+      page.changed();
+    };
+  }
+
+  // a file in parts, none of which is larger than a message may be
+  async function sendFile(file, more) {
+    const bytes = new Uint8Array(await file.arrayBuffer()), size = 180000, parts = Math.max(1, Math.ceil(bytes.length / size));
+    for (let part = 0; part < parts; part++) {
+      let text = "";
+      for (const byte of bytes.subarray(part * size, (part + 1) * size)) text += String.fromCharCode(byte);
+      send("file", { name: file.name, part, parts, data: btoa(text), ...more });
+    }
+  }
+
+  function hearMade(m) {
+    if (!page || !page.wallText) return;
+    page.surfaceGo.disabled = false;
+    page.surfaceGo.parentElement.replaceChildren(make("small", { textContent: m.notes.join("; ") }));
+    page.wallText.value = `${page.wallText.value.replace(/\s*$/, "")}\n${m.line}\n`;
+    page.dragged = false;
+    page.changed();
   }
 
   // ---- by frames ----

@@ -5,13 +5,11 @@
 
 import json
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
-from held import HANG
 from scene import Run, broken, check, expect, read, tendril, tip_in_space
 from references import REFERENCES, expect_reference, expect_references
 
@@ -396,9 +394,7 @@ def a_clamp_that_shakes_too_fast_ends_the_run():
             f"-clamp_path {shakes} -friction_mu 0.5 -friction_beta 0.1 -ts_dt 1e-10 ")
     ends = []
     for ranks in (1, 2):
-        command = [scene.TENDRIL, *f"{spun} -output {file}".split()]
-        done = subprocess.run([scene.MPIEXEC, "-n", str(ranks), *command] if ranks > 1 else command,
-                              capture_output=True, text=True, env=scene.ENVIRONMENT, timeout=HANG)
+        done = scene.on_ranks(ranks, f"{spun} -output {file}".split())
         line = next((s for s in done.stderr.splitlines() if s.startswith("tendril: ")), "")
         print(line)
         expect(done.returncode == 1 and "tendril: crawls at t = " in line and "-ts_max_steps" in line
@@ -754,7 +750,7 @@ def what_means_nothing_in_space_is_refused_in_one_line():
             f"-tip_type clamped -tip_path {back}": "t must increase",
             f"-tip_type slides -tip_path {far}": "free along x1",
             f"-tip_type slides -clamp_angle 90deg -tip_path {aside}": "free along x2, the clamp's axis",
-            f"-clamp_path {odd}": "how a clamp turns is told by t and spin, or t and turn",
+            f"-clamp_path {odd}": "how a clamp turns is given by t and spin, or t and turn",
             f"-clamp_path {lead} -clamp_spin 1": "give one of them",
             "-tip_type slides -tip_force 1 -tip_law follower": "what presses on a tip that slides is dead"}.items():
         out = tendril(options + " -ts_max_time 0.01", 1)

@@ -248,8 +248,7 @@ def a_bent_rod_gives_way_out_of_its_plane_as_prandtl_says():
 def two_ranks_find_the_length_at_which_a_bent_rod_flutters():
     flutters = ("-task critical -growth_initial_length 2 -ts_max_time 2 -friction_mu 0 -tip_force 1 -tip_law follower "
                 "-shape_type straight -rod_model space -rod_weight 0,1e-3,0 -rod_cells 30")
-    said = [tendril(flutters), subprocess.run([scene.MPIEXEC, "-n", "2", scene.TENDRIL, *flutters.split()],
-                                              capture_output=True, text=True, env=scene.ENVIRONMENT).stdout]
+    said = [tendril(flutters), scene.on_ranks(2, flutters.split()).stdout]
     expect("flutter" in said[0] and said[0] == said[1], f"on 2 ranks: {said}")
 
 
