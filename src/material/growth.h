@@ -72,6 +72,8 @@ PetscErrorCode GrowthYieldSee(Growth growth, PetscReal t, PetscInt n, const Pets
 PetscErrorCode GrowthYieldKeep(Growth growth, PetscInt m, const PetscReal times[],
                                const PetscReal length[], PetscInt n, const PetscReal s[],
                                const PetscReal V[]);
+PetscErrorCode GrowthYieldFollow(Growth growth, PetscInt n, const PetscReal t[],
+                                 const PetscReal length[], const PetscReal rate[]);
 PetscReal GrowthYieldWeight(Growth growth, PetscReal s, PetscReal length, PetscReal *by_length);
 PetscReal GrowthYieldInflow(Growth growth);
 

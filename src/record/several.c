@@ -228,6 +228,73 @@ static PetscErrorCode WritePairs(const Several *self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
+/* What a rod bears where it is joined, and so does to its carrier, in all shapes: a set of theirs.
+ */
+static PetscErrorCode WriteBorne(const Several *self, HdfFile file, const char *set,
+                                 const char *path, const char *units, const char *text) {
+  const PetscInt joints = JointsCount(self->joints), dims[3] = {self->each[0]->shapes_n, joints, 3};
+  PetscReal *all, *to;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(dims[0] * joints * 3, &all));
+  to = all;
+  for (PetscInt i = 0; i < dims[0]; i++)
+    for (PetscInt j = 0; j < joints; j++) {
+      const Joint *joint = JointsGet(self->joints, j);
+      const Output one = self->each[joint->rod];
+      const PetscInt node = joint->tip ? one->nodes - 1 : 0;
+      int k = 0;
+      while (strcmp(one->set[k].name, set) != 0) k++;
+      const PetscReal *at = one->shape[k] + (i * one->nodes + node) * 3;
+      for (int d = 0; d < 3; d++) *to++ = joint->tip ? -at[d] : at[d];
+    }
+  PetscCall(HdfWrite(file, path, 3, dims, all, units, text));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* Where rods hold each other: names, and the first of the carrier's two nodes there among all. */
+static PetscErrorCode WriteJoints(const Several *self, HdfFile file) {
+  const PetscInt n = JointsCount(self->joints);
+  const char **of;
+  PetscInt64 *node;
+  PetscInt *row;
+
+  PetscFunctionBegin;
+  if (!n) PetscFunctionReturn(0);
+  PetscCall(HdfGroup(file, "/joints"));
+  PetscCall(PetscMalloc3(n, &of, n, &node, n, &row));
+  for (int what = 0; what < 3; what++) {
+    static const char *const path[] = {"/joints/name", "/joints/on", "/joints/end"},
+                             *const text[] = {"rod that is held [j]", "rod that holds it [j]",
+                                              "which end of it: base or tip [j]"};
+    for (PetscInt j = 0; j < n; j++) {
+      const Joint *joint = JointsGet(self->joints, j);
+      const char *const said[] = {RodsName(self->rods, joint->rod),
+                                  RodsName(self->rods, joint->carrier),
+                                  joint->tip ? "tip" : "base"};
+      of[j] = said[what];
+      row[j] = j;
+    }
+    PetscCall(HdfColumn(file, path[what], HDF_TEXTS, n, "", text[what]));
+    PetscCall(HdfPut(file, path[what], n, row, of));
+  }
+  for (PetscInt j = 0; j < n; j++) {
+    const Joint *joint = JointsGet(self->joints, j);
+    node[j] = joint->node;
+    for (PetscInt k = 0; k < joint->carrier; k++) node[j] += self->each[k]->nodes;
+  }
+  PetscCall(HdfColumn(file, "/joints/node", HDF_INTS, n, "1",
+                      "first of the two nodes there of the rod that holds it, in the shapes [j]"));
+  PetscCall(HdfPut(file, "/joints/node", n, row, node));
+  PetscCall(PetscFree3(of, node, row));
+  PetscCall(WriteBorne(self, file, "/shapes/force", "/joints/force", "N l",
+                       "force on the rod that holds, in the laboratory [k, j, 3]"));
+  PetscCall(WriteBorne(self, file, "/shapes/moment", "/joints/moment", "N l^2",
+                       "moment on it [k, j, 3]"));
+  PetscFunctionReturn(0);
+}
+
 /* How far off any rod may be, once that is known. */
 static PetscErrorCode WriteErrors(const Several *self, HdfFile file) {
   PetscReal most = 0, end = 0;
@@ -257,6 +324,7 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
   PetscCall(WriteRods(self, file));
   PetscCall(WriteSeries(self, file));
   PetscCall(WriteShapes(self, file));
+  PetscCall(WriteJoints(self, file));
   PetscCall(WritePairs(self, file));
   PetscCall(WriteAbout(self, file, t));
   PetscCall(WriteErrors(self, file));

@@ -6,17 +6,20 @@
      /rods/text                     the rods' own options, a section each
      /series/NAME [steps]           of all: sums, or the largest
      /shapes/...                    as of a single rod, all nodes
+     /joints/name, on, end, node [j]; force, moment [k][j][3]: where rods hold each other
      /pairs/first [k+1]             shape k has the places first[k] ... first[k+1] - 1, where rods
                                     touch: rods [c,2], s [c,2], force [c,3], gap [c] */
 #ifndef TENDRIL_SEVERAL_H
 #define TENDRIL_SEVERAL_H
 
 #include "record/output.h"
+#include "system/joints.h"
 #include "system/rods.h"
 
 typedef struct {
   char path[PETSC_MAX_PATH_LEN]; /* empty: nothing is stored */
   Rods rods;
+  Joints joints;
   PetscInt n;
   Output *each;                                    /* [n], kept in memory */
   PetscErrorCode (*keep)(void *ctx, HdfFile file); /* what the run needs to go on from here */

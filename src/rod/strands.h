@@ -61,6 +61,11 @@ typedef struct {
   StrandBy couple_by[STRAND_TAKERS];
 } StrandSlope;
 
+/* Two cells that are near to touching. */
+typedef struct {
+  PetscInt sample, foot;
+} CellPair;
+
 /* What all contacts amount to. */
 typedef struct {
   PetscReal energy, loss; /* int U, power lost to friction */
@@ -100,6 +105,6 @@ PetscErrorCode StrandsPlaces(Strands strands, PetscInt *n, StrandPlace **places)
 PetscInt StrandsFirst(Strands strands, PetscInt rod);
 PetscInt StrandsRod(Strands strands, PetscInt node);
 PetscInt StrandsDuals(Strands strands, FrictionDual **duals);
-PetscErrorCode StrandsNear(Strands strands, PetscInt *n, PetscInt (**cells)[2]);
+PetscErrorCode StrandsNear(Strands strands, PetscInt *n, CellPair **cells);
 
 #endif

@@ -24,11 +24,11 @@ static PetscInt Stride(const Estimate self, PetscReal reach) {
   const Rod rod = self->leg->rod;
   const PetscReal h = reach / rod->last, half = RodLayer(rod) / 2;
   PetscInt most = rod->last / step_rule.estimate_cells;
-  PetscReal length = step_rule.estimate_longest;
+  PetscReal length = step_rule.estimate_longest * RodUnits(rod)->length;
 
   if (self->touches) {
     if (2 * h > half) return 1;
-    length = PetscMin(step_rule.estimate_longest, half);
+    length = PetscMin(length, half);
     most = rod->last;
   }
   return 2 * PetscMax(1, PetscMin(most, (PetscInt)(length / h)) / 2);

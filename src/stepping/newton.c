@@ -510,6 +510,48 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
   PetscFunctionReturn(0);
 }
 
+/*
+  NewtonDetermines - do the equations determine the unknowns in a state at rest at t = 0? Rods that
+  hold each other in a ring may have forces that nothing tells: along rods that are straight, for
+  these do not stretch. Of a rod whose matrix is one. A solution is then all but without bounds, or
+  there is none.
+
+  rate  of the friction that is felt
+*/
+PetscErrorCode NewtonDetermines(Newton *newton, Vec U, PetscReal rate, PetscBool *determined) {
+  RodState at = {.U = U, .fresh = PETSC_TRUE};
+  KSPConvergedReason reason;
+  PetscReal size[2];
+  PetscInt n;
+  Vec b, x;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(U, &b));
+  PetscCall(VecDuplicate(U, &x));
+  PetscCall(VecDuplicate(U, &at.U_t));
+  PetscCall(VecZeroEntries(at.U_t));
+  PetscCall(VecGetSize(b, &n));
+  for (PetscInt i = 0; i < n; i++)
+    PetscCall(VecSetValue(b, i, PetscSinReal(i + 1.), INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(b));
+  PetscCall(VecAssemblyEnd(b));
+  for (PetscInt f = 0; f < newton->rod->model->fields; f++) at.shift[f] = rate;
+  PetscCall(newton->rod->model->jacobian(newton->rod, &at, newton->J));
+  PetscCall(SolverOf(newton->ts, &ksp, &pc));
+  PetscCall(KSPSetOperators(ksp, newton->J, newton->J));
+  PetscCall(KSPSolve(ksp, b, x));
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCall(VecNorm(b, NORM_INFINITY, &size[0]));
+  PetscCall(VecNorm(x, NORM_INFINITY, &size[1]));
+  *determined = (PetscBool)(reason >= 0 && size[1] < step_rule.boundless * size[0]);
+  PetscCall(VecDestroy(&b));
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&at.U_t));
+  PetscFunctionReturn(0);
+}
+
 /* NewtonTakesFullSteps - or was another line search, or no search at all, asked for? */
 PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full) {
   SNESLineSearch search;

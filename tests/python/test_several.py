@@ -57,6 +57,22 @@ class Several(unittest.TestCase):
         self.assertLess(last.force[0, 2], 0)
         self.assertAlmostEqual(np.linalg.norm(last.force) / r.series.contact_force[-1], 1, 1)
 
+    def test_joints(self):
+        """Each half of a ring that is pulled at its weld bears half; the moment there is that of the curvature (shooting)."""
+        r = tendril.run({"growth_type": "none", "growth_initial_length": np.pi, "friction_mu": 0, "friction_layers": "0:1e-2", "rod_cells": 24,
+                         "shape_type": "straight", "ts_max_time": 200},
+                        rods={"a": {"rod_curvature": 1, "tip_force_vector": (0, 1, 0)},
+                              "b": {"clamp_direction": (-1, 0), "rod_curvature": -1, "tip_on": "a"}})
+        joint = r.joints["b.tip"]
+        self.assertEqual((joint["on"], joint["end"], list(r.joints)), ("a", "tip", ["b.tip"]))
+        self.assertLess(np.abs(joint.force[-1] - (0, -0.5, 0)).max(), 1e-9)
+        self.assertLess(np.abs(joint.moment[-1] - (0, 0, 0.30355449275)).max(), 1e-6)
+        tip = r["a"].shapes
+        self.assertEqual(tip.s[-1], tip.s[-2])
+        self.assertLess(np.abs(np.diff(tip.moment[-1, -2:], axis=0) - joint.moment[-1] * (0, 0, -1)).max(), 1e-9)
+        with self.assertRaisesRegex(tendril.errors.ResultsError, "do not hold each other"):
+            self.r.joints
+
     def test_one_is_to_be_taken(self):
         with self.assertRaisesRegex(tendril.ResultsError, r"holds 3 rods; take one, as \['side1'\]"):
             self.r.at(0.1)

@@ -3,6 +3,7 @@
 
     joints_test.py build/tendril CHECK...      (no CHECK: all of them)"""
 
+import re
 import shlex
 import subprocess
 import sys
@@ -133,6 +134,104 @@ def branches_of_their_own_stiffness_are_where_shooting_has_them():
         expect(off < 3e-6, f"{rod}: {off}")
 
 
+RING = {"a": {"rod_curvature": 1, "tip_force_vector": "0,1,0"}, "b": {"clamp_direction": "-1,0", "rod_curvature": -1, "tip_on": "a"}}
+PORTAL = {"a": {"clamp_direction": "0,0,1", "tip_force_vector": "0,1e-4,-2"},
+          "b": {"clamp_place": "1,0,0", "clamp_direction": "0,0,1", "tip_force_vector": "0,1e-4,-2"},
+          "beam": {"clamp_on": "a", "clamp_direction": "1,0,0", "tip_on": "b"}}
+
+
+@check
+def rings_and_frames_are_where_they_are_known_to_be():
+    """A ring of two halves that is pulled and pressed, of order 4; a portal pushed out of its plane under a load on each corner, whose columns
+    bend alike, w = H (tan k - k)/k^3, k^2 = P; and one whose beam is in a ball at one corner, mirrored."""
+    for force, height in ((1, 2.13288216292), (-1, 1.83305621894)):
+        off = []
+        for cells in (16, 32):
+            rods = RING | {"a": {"rod_curvature": 1, "tip_force_vector": f"0,{force},0"}}
+            run = Several(rods, growth_initial_length=np.pi, ts_max_time=300, rod_cells=cells)
+            off.append(abs(run.tip("a")[1] - height))
+            expect(np.abs(run.tip("a") - run.tip("b")).max() < 1e-7, "the halves part")
+        print(f"ring, {force}: off by {off[0]:.1e}, {off[1]:.1e}")
+        expect(off[1] < 1e-6 and off[1] < off[0] / 10, f"{force}: {off}")
+    run = Several(PORTAL, ts_max_time=2000, rod_cells=12)
+    k = np.sqrt(2)
+    for rod in ("a", "b"):
+        off = run.tip(rod)[1] / (1e-4 * (np.tan(k) - k) / k ** 3) - 1
+        print(f"portal, {rod}: off by {off:.1e} of it")
+        expect(abs(off) < 1e-5, f"{rod}: {off}")
+    corner = {"a": {"clamp_direction": "0,1", "tip_force_vector": "0.5,-1,0"}, "b": {"clamp_place": "1,0,0", "clamp_direction": "0,1"}}
+    tips = [Several(corner | {"beam": {"clamp_on": "a", "clamp_direction": "1,0,0", "tip_on": "b"} | own}, ts_max_time=100).tip("a")
+            for own in ({"clamp_type": "ball"}, {"clamp_type": "hinged"}, {})]
+    print("portal with a corner in a ball, hinged, welded:", *tips)
+    expect(np.abs(tips[0] - tips[1]).max() < 1e-7, "in the plane a ball and a hinge are not alike")
+    expect(tips[0][0] > 1.2 * tips[2][0] > 0.01, "a corner that gives way holds as a weld does")
+
+
+TREE = {"stem": {"clamp_direction": "0,0,1", "rod_curvature": 0.3},
+        "left": {"clamp_on": "stem", "clamp_at": 0.6, "clamp_angle": "50deg", "clamp_azimuth": "30deg", "rod_weight": "0,0.2,-0.5"},
+        "right": {"clamp_on": "left", "clamp_angle": "-40deg", "tip_force_vector": "0.1,0.1,0.1", "clamp_spin": 0.2}}
+
+
+@check
+def a_scene_that_is_turned_is_turned_and_in_another_order_the_same():
+    """Of a tree whose last branch is turned in its joint."""
+    fixed = "-ts_adapt_type none -ts_dt 0.02 -ts_rtol 1e-11"
+    shared = {"ts_max_time": 0.4, "friction_layers": "0:1"}
+    run = Several(TREE, fixed, **shared)
+    again = Several(dict(reversed(list(TREE.items()))), fixed, "again", **shared)
+    turned = {rod: dict(own) for rod, own in TREE.items()}
+    turned["stem"]["clamp_direction"] = "1,0,0"  # e1 -> e3 of the smallest turn, taken back: x, y, z -> z, y, -x
+    turned["left"]["rod_weight"] = "-0.5,0.2,0"
+    turned["right"]["tip_force_vector"] = "0.1,0.1,-0.1"
+    turned = Several(turned, fixed, "turned", **shared)
+    for rod in TREE:
+        order = np.abs(again.x[rod] - run.x[rod]).max()
+        turn = np.abs(turned.x[rod] - run.x[rod][..., [2, 1, 0]] * (1, 1, -1)).max()
+        print(f"{rod}: another order {order:.1e}, turned {turn:.1e}")
+        expect(order < 1e-12 and turn < 1e-11, f"{rod}: {order}, {turn}")
+    balance = run.sums["energy"][-1] - run.sums["energy"][0]
+    expect(abs(balance) > 1e-3, "nothing has moved")
+
+
+@check
+def a_tree_that_was_stopped_goes_on_to_the_last_digit():
+    whole = Several(TREE, name="whole", ts_max_time=2)
+    steps = len(whole.sums["t"])
+    part = Path(scene.SCRATCH) / "part.h5"
+    done = subprocess.run([scene.TENDRIL, "-options_file", str(whole.path), "-output", str(part), "-ts_max_steps", str(steps // 2), "-quiet"],
+                          capture_output=True, text=True, env=scene.ENVIRONMENT)
+    expect("-ts_max_steps: reached" in done.stderr, done.stderr)
+    done = subprocess.run([scene.TENDRIL, "-restart", str(part), "-output_shapes", "1", "-quiet"], capture_output=True, text=True, env=scene.ENVIRONMENT)
+    expect(done.returncode == 0 and not done.stderr, done.stderr)
+    with h5py.File(whole.out) as a, h5py.File(part) as b:
+        for group in ("series", "rods/series", "shapes"):
+            for name in a[group]:
+                expect(np.array_equal(a[group][name][:], b[group][name][:], equal_nan=True), f"{group}/{name} differs")
+
+
+KINDS = {"stem": {"rod_curvature": 0.5}, "ball": {"clamp_on": "stem", "clamp_at": 0.4, "clamp_angle": 0.7, "clamp_azimuth": 0.5, "clamp_type": "ball",
+                                                  "friction_radius": 0.1},
+         "hinge": {"clamp_on": "stem", "clamp_at": 0.4, "clamp_angle": -1.2, "clamp_type": "hinged", "clamp_axis": "1,1,1"},
+         "weld": {"clamp_on": "hinge", "clamp_angle": 0.3, "clamp_spin": 1}, "held": {"clamp_place": "3,0,0", "rod_curvature": 1},
+         "tied": {"clamp_place": "3,0,0", "rod_curvature": 1, "tip_on": "held"},
+         "pin": {"clamp_place": "3,0,0", "rod_curvature": 1, "tip_on": "held", "tip_type": "pinned"}}
+
+
+@check
+def the_matrix_is_the_derivative_of_the_equations():
+    """Of joints of all kinds, as differences have it."""
+    shared = STATIC | {"rod_cells": 4, "friction_layers": "0:1", "ts_max_time": 0.02, "rod_weight": "0,0.3,-1"}
+    path = Path(scene.SCRATCH) / "kinds.opts"
+    path.write_text("".join(f"-{key} {value}\n" for key, value in shared.items()) + "".join(
+        f"[rod {rod}]\n" + "".join(f"-{key} {value}\n" for key, value in own.items()) for rod, own in KINDS.items()))
+    done = subprocess.run([scene.TENDRIL, "-options_file", str(path), *shlex.split("-ts_adapt_type none -ts_dt 0.01 -snes_test_jacobian")],
+                          capture_output=True, text=True, env=scene.ENVIRONMENT)
+    expect(done.returncode == 0, done.stderr)
+    off = [float(value) for value in re.findall(r"Jfd\|\|_F/\|\|J\|\|_F = (\S+),", done.stdout)]
+    print(f"{len(off)} matrices, off by {max(off):.1e}")
+    expect(len(off) > 2 and max(off) < 5e-8, off)
+
+
 REFUSED = [  # (lines of a scene, what is said)
     ("[rod a]\n[rod b]\n-clamp_on c\n", "line 3, rod b: -clamp_on c: there is no rod of that name; there are a, b"),
     ("[rod a]\n-clamp_on a\n", "line 2, rod a: -clamp_on a: a rod cannot hold itself"),
@@ -147,6 +246,8 @@ REFUSED = [  # (lines of a scene, what is said)
     ("[rod a]\n[rod b]\n-clamp_place 0,1,0\n-tip_on a\n", "line 4, rod b: -tip_on a: as the rods begin the tip is at"),
     ("[rod a]\n[rod b]\n-tip_on a\n-tip_force 1\n", "line 4, rod b: -tip_force: not of a tip that another rod holds"),
     ("[rod a]\n[rod b]\n-clamp_on a\n-clamp_type ball\n", "line 4, rod b: -clamp_type ball: nothing keeps the rod from spinning"),
+    ("-growth_type none\n-shape_type straight\n[rod a]\n[rod b]\n-clamp_place 1,0,0\n-clamp_direction -1,0\n-tip_on a\n",
+     "line 7, rod b: -tip_on a: rods that are straight do not stretch"),
     ("[rod a]\n-clamp_type ball\n", "line 2, rod a: -clamp_type ball: is a joint between rods"),
 ]
 
