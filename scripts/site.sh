@@ -27,7 +27,7 @@ fi
 pages=$place/site-pages
 rm -rf "$pages"
 mkdir -p "$pages"
-git ls-files -co --exclude-standard -- '*.md' '*.png' '*.gif' '*.ipynb' LICENSE CITATION.cff 'docs/*.csv' 'docs/*/*.csv' \
+git ls-files -co --exclude-standard -- '*.md' '*.png' '*.gif' '*.ipynb' 'docs/*.css' LICENSE CITATION.cff 'docs/*.csv' 'docs/*/*.csv' \
   'docs/*/*.opts' 'docs/*/*.txt' 'options/*.opts' tests/python/public_cases.py ':!scripts/tendril' |
   while read -r file; do
     [ -f "$file" ] || continue

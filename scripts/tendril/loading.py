@@ -109,14 +109,14 @@ def check_series(series):
             raise ResultsError(f"{series.of}/t: does not rise")
 
 
-def check_shapes(shapes):
-    """Shapes that go with each other, of rods that have a length."""
+def check_shapes(shapes, joined=False):
+    """Shapes that go with each other, of rods that have a length; where others are joined to a rod a node is there twice."""
     if not shapes:
         return
     k, s = len(finite(shapes, "t", 1)), finite(shapes, "s", 1)
     rows = [k] + [len(shapes[name]) for name in ALONG if name in shapes and np.ndim(shapes[name])]
     many = (min(rows), len(s))  # a run that goes on may have written one array further than another
-    if len(s) < 2 or (np.diff(s) <= 0).any():
+    if len(s) < 2 or (np.diff(s) < 0 if joined else np.diff(s) <= 0).any():
         raise ResultsError(f"{shapes.of}/s: labels must rise")
     for name in ALONG:
         if name in shapes or name in SHAPES:
@@ -221,9 +221,10 @@ def load_rods(path, attributes, groups, series, shapes, about) -> Several:
     for number, name in enumerate(names_of(path, groups["rods"])):
         rods[name] = one = rod_of(path, finished, number, name, attributes, groups, shapes, series, about)
         check_series(one.series)
-        check_shapes(one.shapes)
+        check_shapes(one.shapes, "joints" in groups)
         check_attributes(path, one.attributes)
-    return Several(path, finished, options, attributes, series, shapes, units=about[0], notes=about[1], rods=rods)
+    return Several(path, finished, options, attributes, series, shapes, units=about[0], notes=about[1], rods=rods,
+                   touching=groups.get("pairs", Table()), joined=groups.get("joints", Table()))
 
 
 def runs_of(given, who) -> list[Results]:

@@ -258,6 +258,10 @@ class Session:
         if self.lamp_at is None:
             raise TendrilError("there is no lamp in this run")
         place = self.place(command)
+        with self.lock:
+            off = np.linalg.norm(self.sim.nodes["x"] - [*place, 0.0][:3], axis=1).min()
+        if off < max(0.5 * float(self.setup.diameter), 1e-3 * self.sim.series["length"][-1]):
+            raise TendrilError("the lamp would stand on the rod, where there is no direction to it; put it beside")
         self.change("tropism_source", ",".join(map(repr, place)))
         self.lamp = [*place, 0.0][:3]
 

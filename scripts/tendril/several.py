@@ -3,6 +3,8 @@
     r = tendril.load("dish.h5")
     r["left"].series.tip_x1       a rod's results, as of a run of its own
     r.rods                        {name: results}
+    r.pairs[-1].force             where rods touch in the last stored shape: rods, s, force, gap
+    r.joints["branch"].force     what a rod does to the one that carries it, in the stored shapes: force, moment, on, end, node
     r.series.energy               of all: sums, or the largest"""
 
 from __future__ import annotations
@@ -36,6 +38,28 @@ class Several(Results):
     """A result file of several rods. Its shapes hold all nodes, rod behind rod; a rod's own are its results'."""
 
     rods: dict[str, Results] = field(default_factory=dict)
+    touching: Table = field(default_factory=Table)  # /pairs of the file
+    joined: Table = field(default_factory=Table)  # /joints of the file
+
+    @property
+    def pairs(self) -> list[Table]:
+        """Where rods touch each other, of each stored shape: names of the two, labels on either, the force on the first, the gap."""
+        if not self.touching:
+            raise ResultsError(f"{self.told}: its rods do not touch each other; give the scene a [pair ...] section")
+        names, first = list(self.rods), self.touching["first"]
+        return [Table({"rods": [tuple(names[int(k)] for k in two) for two in self.touching["rods"][a:b]]}
+                      | {name: self.touching[name][a:b] for name in ("s", "force", "gap")}) for a, b in zip(first[:-1], first[1:])]
+
+    @property
+    def joints(self) -> dict[str, Table]:
+        """What rods do to those that hold them: of each joint, called as the rod that is held (its tip: NAME.tip)."""
+        if not self.joined:
+            raise ResultsError(f"{self.told}: its rods do not hold each other; give one a -clamp_on or -tip_on")
+        found = {}
+        for j, (name, on, end) in enumerate(zip(*(map(as_text, self.joined[key]) for key in ("name", "on", "end")))):
+            found[name if end == "base" else f"{name}.tip"] = Table(
+                {"on": on, "end": end, "node": int(self.joined["node"][j])} | {key: self.joined[key][:, j] for key in ("force", "moment")})
+        return found
 
     def __repr__(self):
         return f"<{self.name}: {len(self.rods)} rods, {', '.join(self.rods)}; {len(self.series.t)} steps to t = {self.series.t[-1]:g}>"

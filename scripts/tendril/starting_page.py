@@ -15,7 +15,8 @@ from .playing import NUMBER, prepare
 from .runs import CHECKOUT
 
 # what a run by steps cannot do, or takes too long for a first look
-LEFT_OUT = re.compile(r"critical|stability|paper|injected|seedlings")
+LEFT_OUT = re.compile(r"critical|stability|paper|injected")
+SECTION = re.compile(r"^\s*\[", re.MULTILINE)  # of several rods, which a run by steps does not have
 # (option, label, usual, unit, what it does)
 FIELDS = (
     ("si_bending_stiffness", "bending stiffness", "1e-5", "N m²", "of the rod: Young's modulus times the second moment of area"),
@@ -51,7 +52,7 @@ class FieldError(TendrilError):
 def scenes() -> dict[str, Path]:
     """Scenes of the gallery by name."""
     for place in (Path(__file__).parent / "options", CHECKOUT / "options"):
-        found = {file.stem: file for file in sorted(place.glob("*.opts")) if not LEFT_OUT.search(file.stem)}
+        found = {file.stem: file for file in sorted(place.glob("*.opts")) if not LEFT_OUT.search(file.stem) and not SECTION.search(file.read_text(errors="replace"))}
         if found:
             return found
     return {}

@@ -25,7 +25,7 @@ from .senses import lamp
 from .surroundings import layers_of, pressed, stiffness_along
 
 ARROWS = 40  # of contact along the rod, at most
-SOLID, EDGE = "#d9d4c7", "#8a8371"
+SOLID, EDGE, SOIL = "#d9d4c7", "#8a8371", "#d8b98a"
 
 
 @dataclass
@@ -224,7 +224,7 @@ class Layers(Artist):
             low, high = max(low, x0), min(high, x1)
             if high <= low:
                 continue
-            band = Rectangle((low, y0), high - low, y1 - y0, facecolor=SOLID, alpha=0.9 * factor / most if most else 0.0, edgecolor="none")
+            band = Rectangle((low, y0), high - low, y1 - y0, facecolor=SOIL, alpha=0.6 * factor / most if most else 0.0, edgecolor="none")
             word = Text(low + 0.02 * (x1 - x0), y0 + 0.02 * (y1 - y0), f"friction × {factor:g}" if low == x0 else f"× {factor:g}", fontsize=7, color="#555")
             for part in (band, word):
                 part.axes, part.figure = self.axes, self.axes.figure
@@ -286,7 +286,8 @@ def draw_walls(ax, r, scale=1.0, room=True, t=0.0):
     its lamp, and layers of friction. scale: what a unit of length is in the picture. Returns what draws the walls, whose .walls may
     be set; None if there are none."""
     draw_lamp(ax, r, (0, 1), scale)
-    if layers := layers_of(r):
+    layers = layers_of(r)
+    if len({factor for _, factor in layers}) > 1:
         ax.add_artist(Layers(layers, scale))
     walls = walls_of(r, t)
     if not walls:
@@ -306,7 +307,7 @@ def near(wall, box, scale):
     x, y, radius = scale * np.asarray(wall.numbers[:3])
     off = np.hypot(x - np.clip(x, box.x0, box.x1), y - np.clip(y, box.y0, box.y1))
     size = max(box.width, box.height)
-    return off < radius + 0.2 * size and 2 * radius < size
+    return off < radius + 0.05 * size and 2 * radius < size
 
 
 class Thick:

@@ -6,6 +6,7 @@
 */
 #include "base/blocklu.h"
 #include "base/clones.h"
+#include <petscblaslapack.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -30,7 +31,10 @@ typedef struct {
 typedef struct {
   PetscInt nodes, fields, wide; /* a row of a block has room for so many numbers */
   size_t size;                  /* of a block */
-  PetscBool *late;              /* of nodes whose own block may be singular: they come last */
+  PetscBool *late;              /* of nodes whose own block may be singular: they come last, */
+  PetscInt early;               /* ... behind so many; several of them are one block together */
+  PetscReal *together;          /* ... its factors, column by column */
+  PetscBLASInt *pivots;
   PetscBool factored;
   Row *row;
   PetscReal *pool;
@@ -348,6 +352,33 @@ static void LayOut(BlockLU *self, PetscInt k) {
     memcpy(self->at[row->node[j]], self->pool + row->block[j], bytes);
 }
 
+/* What is left of a late node's row, when all early ones are out, is a row of the block of all late
+   ones. */
+static void Gather(BlockLU *self, PetscInt k) {
+  const PetscInt early = self->early, fields = self->fields, n = (self->nodes - early) * fields;
+  const Side *side[2] = {&self->before, &self->behind};
+
+  for (PetscInt c = early; c < self->nodes; c++) {
+    const PetscReal *block = c == k ? self->at[self->order[k]] : NULL;
+    for (int w = 0; w < 2; w++)
+      for (int e = side[w]->from[k]; e < side[w]->from[k + 1]; e++)
+        if ((w ? self->place[side[w]->node[e]] : side[w]->node[e]) == c)
+          block = side[w]->block + (size_t)e * self->size;
+    for (PetscInt i = 0; i < fields; i++)
+      for (PetscInt j = 0; j < fields; j++)
+        self->together[((c - early) * fields + j) * n + (k - early) * fields + i] =
+            block ? block[i * self->wide + j] : 0;
+  }
+}
+
+/* With partial pivoting among all of them. False: it is singular. */
+static PetscBool FactorTogether(BlockLU *self) {
+  PetscBLASInt n = (PetscBLASInt)((self->nodes - self->early) * self->fields), info = 0;
+
+  if (n) LAPACKgetrf_(&n, &n, self->together, &n, self->pivots, &info);
+  return (PetscBool)(info == 0);
+}
+
 ALWAYS_INLINE PetscBool Factor(BlockLU *self, const int fields, const int wide) {
   const size_t size = (size_t)(fields * wide);
   const Side *L = &self->before, *U = &self->behind;
@@ -357,13 +388,17 @@ ALWAYS_INLINE PetscBool Factor(BlockLU *self, const int fields, const int wide) 
     for (int e = L->from[k]; e < L->from[k + 1]; e++) {
       const int m = L->node[e];
       PetscReal *block = L->block + (size_t)e * size;
+      if (m >= self->early) continue;
       Times(fields, wide, block, self->own + (size_t)m * size);
       for (int i = U->from[m]; i < U->from[m + 1]; i++)
         Subtract(fields, wide, block, U->block + (size_t)i * size, self->at[U->node[i]]);
     }
-    if (!Invert(fields, wide, self->own + (size_t)k * size)) return PETSC_FALSE;
+    if (k >= self->early)
+      Gather(self, k);
+    else if (!Invert(fields, wide, self->own + (size_t)k * size))
+      return PETSC_FALSE;
   }
-  return PETSC_TRUE;
+  return FactorTogether(self);
 }
 
 /* y -= A x */
@@ -376,6 +411,21 @@ ALWAYS_INLINE void SubtractProduct(const int fields, const int wide, const Petsc
   }
 }
 
+/* The late nodes' unknowns x, by what is left for them. */
+static void SolveTogether(BlockLU *self, PetscReal *x) {
+  const PetscInt fields = self->fields, late = self->nodes - self->early;
+  PetscBLASInt n = (PetscBLASInt)(late * fields), one = 1, info;
+  PetscReal *y = self->together + (size_t)n * (size_t)n;
+
+  if (!late) return;
+  for (PetscInt k = 0; k < late; k++)
+    memcpy(y + k * fields, self->work + (self->early + k) * self->wide,
+           (size_t)fields * sizeof(*y));
+  LAPACKgetrs_("N", &n, &one, self->together, &n, self->pivots, y, &n, &info);
+  for (PetscInt k = 0; k < late; k++)
+    memcpy(x + self->order[self->early + k] * fields, y + k * fields, (size_t)fields * sizeof(*x));
+}
+
 /* x = U^-1 D L^-1 b, D the own blocks' inverses */
 ALWAYS_INLINE void Solve(BlockLU *self, const int fields, const int wide, const PetscReal *b,
                          PetscReal *x) {
@@ -385,10 +435,11 @@ ALWAYS_INLINE void Solve(BlockLU *self, const int fields, const int wide, const 
   for (PetscInt k = 0; k < self->nodes; k++) {
     PetscReal *y = self->work + k * wide;
     for (int i = 0; i < fields; i++) y[i] = b[self->order[k] * fields + i];
-    for (int e = L->from[k]; e < L->from[k + 1]; e++)
+    for (int e = L->from[k]; e < L->from[k + 1] && L->node[e] < self->early; e++)
       SubtractProduct(fields, wide, L->block + (size_t)e * size, self->work + L->node[e] * wide, y);
   }
-  for (PetscInt k = self->nodes - 1; k >= 0; k--) {
+  SolveTogether(self, x);
+  for (PetscInt k = self->early - 1; k >= 0; k--) {
     const PetscReal *D = self->own + (size_t)k * size;
     PetscReal *y = self->work + k * wide;
     for (int e = U->from[k]; e < U->from[k + 1]; e++)
@@ -460,6 +511,7 @@ static PetscErrorCode Destroy(Mat J) {
   PetscCall(PetscFree5(self->row, self->order, self->place, self->at, self->own));
   PetscCall(PetscFree(self->work));
   PetscCall(PetscFree(self->late));
+  PetscCall(PetscFree2(self->together, self->pivots));
   PetscCall(PetscFree(self));
   PetscFunctionReturn(0);
 }
@@ -468,7 +520,7 @@ static PetscErrorCode Destroy(Mat J) {
   BlockLUCreate - the matrix, 0, of nodes times fields; its blocks are made as they are set
   (MatSetValuesBlocked). Not collective; BlockLUCan() says whether it can be.
 
-  n_late, late  nodes whose own block may be singular: what holds a tip
+  n_late, late  nodes whose own block may be singular: what holds a tip; no node twice
 */
 PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscInt n_late,
                              const PetscInt late[], Mat *J) {
@@ -488,6 +540,10 @@ PetscErrorCode BlockLUCreate(PetscInt nodes, PetscInt fields, PetscInt n_late,
   PetscCall(PetscCalloc1(nodes * self->wide, &self->work));
   PetscCall(PetscCalloc1(nodes, &self->late));
   for (PetscInt k = 0; k < n_late; k++) self->late[late[k]] = PETSC_TRUE;
+  self->early = n_late > 1 ? nodes - n_late : nodes;
+  if (n_late > 1)
+    PetscCall(PetscMalloc2(n_late * fields * (n_late * fields + 1), &self->together,
+                           n_late * fields, &self->pivots));
   PetscCall(PetscCalloc1(nodes + 1, &self->before.from));
   PetscCall(PetscCalloc1(nodes + 1, &self->behind.from));
   PetscCall(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, self, J));

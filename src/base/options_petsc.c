@@ -39,7 +39,7 @@ static const OptionRow rows[] = {
     ROW_REAL("-ksp_rtol", "", 1e-300, 1e300, UNIT_NONE, PETSCS, "its relative tolerance"),
     ROW_INT("-ksp_max_it", "", 1, 2e9, PETSCS, "its most iterations"),
     ROW_TEXT("-ksp_converged_reason", PETSCS | PASSING | LATE, "prints why it ended"),
-    ROW_TEXT("-pc_type", PETSCS, "its preconditioner: a direct solver unless told otherwise"),
+    ROW_TEXT("-pc_type", PETSCS, "its preconditioner: a direct solver unless another is given"),
     ROW_TEXT("-pc_factor_mat_solver_type", PETSCS, "whose factorisation"),
     ROW_TEXT("-eps_type", PETSCS, "eigenvalue solver"),
     ROW_INT("-eps_nev", "", 1, 2e9, PETSCS, "eigenvalues wanted"),

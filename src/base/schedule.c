@@ -141,7 +141,7 @@ static PetscErrorCode Columns(const char *option, const char *file, const Schedu
     PetscBool *given = time ? &timed : &said;
 
     UserCheck(time || fast || !strcmp(name, words->place), OptionsComm(),
-              "%s %s: column %s: how %s is told by t and %s, or t and %s", option, file, name,
+              "%s %s: column %s: how %s is given by t and %s, or t and %s", option, file, name,
               words->what, words->rate, words->place);
     UserCheck(!*given || !time, OptionsComm(), "%s %s: has t twice", option, file);
     UserCheck(!*given, OptionsComm(), "%s %s: has more than one of %s and %s; leave one out",
@@ -223,7 +223,7 @@ static PetscErrorCode PlaceColumns(const char *option, const char *file, Table t
     int d = 0;
     while (d < 4 && strcmp(TableName(table, c), name[d])) d++;
     UserCheck(d < 4, OptionsComm(),
-              "%s %s: column %s: how a surface moves is told by t and x1, x2, x3", option, file,
+              "%s %s: column %s: how a surface moves is given by t and x1, x2, x3", option, file,
               TableName(table, c));
     UserCheck(column[d] < 0, OptionsComm(), "%s %s: has %s twice", option, file, name[d]);
     column[d] = c;

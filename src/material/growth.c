@@ -6,6 +6,8 @@ static const OptionRow rows[] = {
              "the law g(s,t); none: a rod that does not grow"),
     ROW_REAL("-growth_initial_length", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
              "L0, length at t = 0, in (YI/N)^(1/3)"),
+    ROW_REAL("-growth_speed", "1", 1e-9, 1e9, UNIT_NONE, 0,
+             "of one of several rods: its speed of growth over that of the scales"),
     ROW_REAL("-growth_width", "0.5", 1e-6, 1e6, UNIT_NONE, 0,
              "a, width in s of the growth zone at the clamp (gaussian)"),
     ROW_REAL("-growth_zone", "0.5", 1e-6, 1e6, UNIT_LENGTH, 0,
@@ -31,16 +33,16 @@ PetscErrorCode GrowthDestroyData(Growth self) {
 /* uniform: g = L0 + t; feed: the same map of s to arc length, with sliding material */
 static PetscErrorCode StretchUniform(Growth self, PetscReal s, PetscReal t, PetscReal *g,
                                      PetscReal *g_t, PetscReal *g_s) {
-  *g = self->initial_length + t;
-  *g_t = 1;
+  *g = self->initial_length + self->rate * t;
+  *g_t = self->rate;
   *g_s = 0;
   return 0;
 }
 
 static PetscErrorCode ArcUniform(Growth self, PetscReal s, PetscReal t, PetscReal *p,
                                  PetscReal *p_t) {
-  *p = s * (self->initial_length + t);
-  *p_t = s;
+  *p = s * (self->initial_length + self->rate * t);
+  *p_t = s * self->rate;
   return 0;
 }
 
@@ -53,11 +55,11 @@ static PetscErrorCode CreateUniform(Growth self) {
 }
 
 static PetscReal SlideFeed(Growth self, PetscReal s, PetscReal t) {
-  return 1 - s;
+  return (1 - s) * self->rate;
 }
 
 static PetscReal SpeedFeed(Growth self, PetscReal s, PetscReal t) {
-  return 1;
+  return self->rate;
 }
 
 static PetscReal StrainFeed(Growth self, PetscReal s, PetscReal t) {
@@ -66,7 +68,7 @@ static PetscReal StrainFeed(Growth self, PetscReal s, PetscReal t) {
 
 static PetscErrorCode OriginFeed(Growth self, PetscReal s, PetscReal t, PetscReal *d,
                                  PetscReal *d_t) {
-  *d = (1 - s) * (self->initial_length + t);
+  *d = (1 - s) * (self->initial_length + self->rate * t);
   *d_t = 0;
   return 0;
 }
@@ -108,7 +110,7 @@ typedef struct {
 } Zone;
 
 static PetscReal ZoneAt(Growth self, PetscReal s, PetscReal t, PetscReal *L_over_zone) {
-  PetscReal L = self->initial_length + t;
+  PetscReal L = self->initial_length + self->rate * t;
   *L_over_zone = L / PetscMin(((Zone *)self->data)->length, L);
   return PetscMin(1, (1 - s) * *L_over_zone);
 }
@@ -120,25 +122,25 @@ static PetscReal ZoneShare(const Zone *zone, PetscReal z) {
 
 static PetscReal SlideApical(Growth self, PetscReal s, PetscReal t) {
   PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
-  return (1 - s) - ZoneShare((Zone *)self->data, z);
+  return ((1 - s) - ZoneShare((Zone *)self->data, z)) * self->rate;
 }
 
 static PetscReal SpeedApical(Growth self, PetscReal s, PetscReal t) {
   PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
-  return ((Zone *)self->data)->even ? 1 - z : HermiteFall(z);
+  return (((Zone *)self->data)->even ? 1 - z : HermiteFall(z)) * self->rate;
 }
 
 static PetscReal StrainApical(Growth self, PetscReal s, PetscReal t) {
   PetscReal ratio, z = ZoneAt(self, s, t, &ratio);
-  if (((Zone *)self->data)->even) return z < 1 ? ratio : 0;
-  return HermiteRiseSlope(z) * ratio;
+  if (((Zone *)self->data)->even) return z < 1 ? ratio * self->rate : 0;
+  return HermiteRiseSlope(z) * ratio * self->rate;
 }
 
 /* What is laid down keeps its place; while it stretches it takes on that of where it is. */
 static PetscErrorCode OriginApical(Growth self, PetscReal s, PetscReal t, PetscReal *d,
                                    PetscReal *d_t) {
-  *d = self->initial_length - s * (self->initial_length + t);
-  *d_t = -SlideApical(self, s, t) - s;
+  *d = self->initial_length - s * (self->initial_length + self->rate * t);
+  *d_t = -SlideApical(self, s, t) - s * self->rate;
   return 0;
 }
 
@@ -164,7 +166,7 @@ static PetscErrorCode DepartApical(Growth self, PetscReal t, PetscReal before, P
                                    const PetscReal s[], PetscReal from[]) {
   const Zone *zone = (Zone *)self->data;
   const PetscReal longest = 0.02, /* step, in zones */
-      L = self->initial_length + t, then = self->initial_length + before;
+      L = self->initial_length + self->rate * t, then = self->initial_length + self->rate * before;
   const PetscInt steps =
       PetscMax(1, (PetscInt)PetscCeilReal((L - then) / (longest * zone->length)));
   const PetscReal h = (then - L) / steps;
@@ -224,7 +226,7 @@ typedef struct {
 static PetscErrorCode StretchGaussian(Growth self, PetscReal s, PetscReal t, PetscReal *g,
                                       PetscReal *g_t, PetscReal *g_s) {
   Gaussian *law = (Gaussian *)self->data;
-  *g_t = law->b * PetscExpReal(-PetscSqr(s / law->a));
+  *g_t = self->rate * law->b * PetscExpReal(-PetscSqr(s / law->a));
   *g = self->initial_length + *g_t * t;
   *g_s = -2 * s / PetscSqr(law->a) * *g_t * t;
   return 0;
@@ -233,7 +235,7 @@ static PetscErrorCode StretchGaussian(Growth self, PetscReal s, PetscReal t, Pet
 static PetscErrorCode ArcGaussian(Growth self, PetscReal s, PetscReal t, PetscReal *p,
                                   PetscReal *p_t) {
   Gaussian *law = (Gaussian *)self->data;
-  *p_t = erf(s / law->a) / erf(1 / law->a);
+  *p_t = self->rate * erf(s / law->a) / erf(1 / law->a);
   *p = self->initial_length * s + *p_t * t;
   return 0;
 }
@@ -358,6 +360,22 @@ static const struct {
 } laws[] = {{"uniform", CreateUniform}, {"gaussian", CreateGaussian}, {"feed", CreateFeed},
             {"apical", CreateApical},   {"table", GrowthCreateTable}, {"none", CreateNone}};
 
+/* How fast it is, of one of several rods: what tables say in time, they say it all. */
+static PetscErrorCode ReadRate(Growth self, PetscBool by_path) {
+  PetscBool given;
+
+  PetscFunctionBegin;
+  PetscCall(OptionReal("-growth_speed", &self->rate, &given));
+  UserCheck(!given || !(by_path || self->stretch == StretchNone || self->steep > 0), OptionsComm(),
+            "-growth_speed: not with %s, which says itself how fast the rod grows; leave one out",
+            by_path           ? "-growth_path"
+            : self->steep > 0 ? "-growth_table"
+                              : "-growth_type none");
+  UserCheck(!given || self->yield == 0, OptionsComm(),
+            "-growth_speed: not of growth that feels force (-growth_yield); leave one out");
+  PetscFunctionReturn(0);
+}
+
 /*
   GrowthCreate - the growth law asked for by -growth_type and its options. Collective.
   The caller destroys it with GrowthDestroy().
@@ -372,6 +390,7 @@ PetscErrorCode GrowthCreate(Growth *growth) {
   PetscCall(PetscNew(&self));
   *growth = self; /* whole or not, the caller destroys it */
   self->end_time = PETSC_MAX_REAL;
+  self->rate = 1;
   if (own) {
     PetscCall(CreateOwn(self, own));
     PetscFunctionReturn(0);
@@ -384,6 +403,7 @@ PetscErrorCode GrowthCreate(Growth *growth) {
   PetscCall(laws[choice].create(self));
   if (by_path) PetscCall(GrowthFeedByPath(self));
   PetscCall(GrowthYields(self));
+  PetscCall(ReadRate(self, by_path));
   PetscFunctionReturn(0);
 }
 

@@ -10,6 +10,7 @@ typedef struct _Growth *Growth;
 struct _Growth {
   const char *type;
   PetscReal initial_length; /* L0 */
+  PetscReal rate;           /* V, of one of several rods over that of the scales; else 1 */
   PetscReal end_time;       /* the law is defined up to here */
   PetscBool even;           /* g does not depend on s: labels share out the length evenly */
   PetscBool similar;        /* the straight rod's velocity depends on s alone, not on t */
@@ -71,6 +72,8 @@ PetscErrorCode GrowthYieldSee(Growth growth, PetscReal t, PetscInt n, const Pets
 PetscErrorCode GrowthYieldKeep(Growth growth, PetscInt m, const PetscReal times[],
                                const PetscReal length[], PetscInt n, const PetscReal s[],
                                const PetscReal V[]);
+PetscErrorCode GrowthYieldFollow(Growth growth, PetscInt n, const PetscReal t[],
+                                 const PetscReal length[], const PetscReal rate[]);
 PetscReal GrowthYieldWeight(Growth growth, PetscReal s, PetscReal length, PetscReal *by_length);
 PetscReal GrowthYieldInflow(Growth growth);
 

@@ -24,6 +24,8 @@ typedef struct {
   PetscInt m, of;         /* earlier states that are kept, and their nodes: */
   PetscReal times[KEPT], lengths[KEPT], *at, *speed;
   PetscReal *profile;
+  PetscInt rows; /* of a length that is known at all times, 0: of none */
+  PetscReal *row_t, *row_L, *row_rate;
 } Yield;
 
 static inline Yield *YieldOf(Growth self) {
@@ -82,14 +84,37 @@ static PetscReal RateYield(Growth self) {
   return yield->n ? yield->V[yield->n - 1] : 1;
 }
 
-/* The length goes on as it grows now at other times than that of the state seen. */
+/* The length at a time, and how fast it grows, of one that is known. */
+static void Known(const Yield *yield, PetscReal t, PetscReal *g, PetscReal *g_t) {
+  const PetscInt last = yield->rows - 1, k = KnotBefore(yield->rows, yield->row_t, t);
+  const PetscReal h = yield->row_t[k + 1] - yield->row_t[k], z = (t - yield->row_t[k]) / h,
+                  *L = yield->row_L + k, *rate = yield->row_rate + k;
+
+  if (t >= yield->row_t[last]) {
+    *g_t = yield->row_rate[last];
+    *g = yield->row_L[last] + *g_t * (t - yield->row_t[last]);
+    return;
+  }
+  *g = HermiteAt(z, h, L[0], rate[0], L[1], rate[1]);
+  *g_t = 6 * z * (1 - z) * (L[1] - L[0]) / h + (1 - z) * (1 - 3 * z) * rate[0] +
+         z * (3 * z - 2) * rate[1];
+  if (t == yield->t && yield->n) *g_t = yield->V[yield->n - 1];
+}
+
+/* The length goes on as it grows now at other times than that of the state seen, unless it is
+ * known.
+ */
 static PetscErrorCode StretchYield(Growth self, PetscReal s, PetscReal t, PetscReal *g,
                                    PetscReal *g_t, PetscReal *g_s) {
   const Yield *yield = YieldOf(self);
 
+  *g_s = 0;
+  if (yield->rows) {
+    Known(yield, t, g, g_t);
+    return 0;
+  }
   *g_t = RateYield(self);
   *g = yield->length + *g_t * (t - yield->t);
-  *g_s = 0;
   return 0;
 }
 
@@ -245,12 +270,29 @@ PetscErrorCode GrowthYieldKeep(Growth self, PetscInt m, const PetscReal times[],
   PetscFunctionReturn(0);
 }
 
+/* GrowthYieldFollow - how long the rod is at all times, at n >= 2 of them, and how fast it grows.
+ */
+PetscErrorCode GrowthYieldFollow(Growth self, PetscInt n, const PetscReal t[],
+                                 const PetscReal length[], const PetscReal rate[]) {
+  Yield *yield = YieldOf(self);
+
+  PetscFunctionBegin;
+  PetscCall(PetscFree3(yield->row_t, yield->row_L, yield->row_rate));
+  PetscCall(PetscMalloc3(n, &yield->row_t, n, &yield->row_L, n, &yield->row_rate));
+  PetscCall(PetscArraycpy(yield->row_t, t, n));
+  PetscCall(PetscArraycpy(yield->row_L, length, n));
+  PetscCall(PetscArraycpy(yield->row_rate, rate, n));
+  yield->rows = n;
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode DestroyYield(Growth self) {
   Yield *yield = YieldOf(self);
 
   PetscFunctionBegin;
   PetscCall(PetscFree3(yield->s, yield->V, yield->V_s));
   PetscCall(PetscFree3(yield->at, yield->speed, yield->profile));
+  PetscCall(PetscFree3(yield->row_t, yield->row_L, yield->row_rate));
   PetscCall(PetscFree(self->data));
   PetscFunctionReturn(0);
 }

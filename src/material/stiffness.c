@@ -2,10 +2,13 @@
 #include "base/hdf.h"
 #include "base/spline.h"
 
-static const OptionRow rows[] = {ROW_TEXT(
-    "-rod_stiffness_file", INPUT_FILE,
-    "HDF5 file with /distance from the tip, from 0, and /factor: the bending stiffness over "
-    "that of the scales, constant beyond the end")};
+static const OptionRow rows[] = {
+    ROW_REAL("-rod_stiffness", "1", 1e-9, 1e9, UNIT_NONE, 0,
+             "of one of several rods: its bending stiffness over that of the scales"),
+    ROW_TEXT(
+        "-rod_stiffness_file", INPUT_FILE,
+        "HDF5 file with /distance from the tip, from 0, and /factor: the bending stiffness over "
+        "that of the scales, constant beyond the end")};
 const OptionGroup stiffness_options = OPTION_GROUP_OF_ROD("Stiffness along the rod", rows);
 
 static PetscErrorCode Check(const char *file, const Stiffness *self, PetscInt m) {
@@ -48,9 +51,10 @@ PetscErrorCode StiffnessSetFromOptions(Stiffness *self) {
 
   PetscFunctionBegin;
   PetscCall(PetscMemzero(self, sizeof(*self)));
+  PetscCall(OptionReal("-rod_stiffness", &self->all, NULL));
   PetscCall(OptionText(option, file, &self->varies));
   if (!self->varies) {
-    self->most = 1;
+    self->most = self->all;
     PetscFunctionReturn(0);
   }
   PetscCall(HdfReadQuantity(option, file, "/distance", UNIT_LENGTH, 1, &self->n, &self->distance));
@@ -60,7 +64,11 @@ PetscErrorCode StiffnessSetFromOptions(Stiffness *self) {
     PetscCall(SplineSecondDerivatives(m, self->distance, 1, m, 1, self->factor, self->factor2));
   }
   PetscCall(Check(file, self, m));
-  for (PetscInt i = 0; i < m; i++) self->most = PetscMax(self->most, self->factor[i]);
+  for (PetscInt i = 0; i < m; i++) {
+    self->factor[i] *= self->all;
+    self->factor2[i] *= self->all;
+    self->most = PetscMax(self->most, self->factor[i]);
+  }
   PetscFunctionReturn(0);
 }
 

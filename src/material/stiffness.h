@@ -6,10 +6,11 @@
 #include "material/growth.h"
 
 typedef struct {
-  PetscBool varies; /* B is not 1 everywhere */
+  PetscBool varies; /* B is not the same everywhere */
+  PetscReal all;    /* what all of it is multiplied by, of one of several rods; else 1 */
   PetscInt n;
   PetscReal *distance, *factor, *factor2; /* knots of the spline, values, second derivatives */
-  PetscReal most;                         /* the largest of the values; 1 without them */
+  PetscReal most;                         /* the largest of the values; `all` without them */
 } Stiffness;
 
 extern const OptionGroup stiffness_options;

@@ -95,7 +95,7 @@ PetscErrorCode TropismSetFromOptions(Tropism *self, Growth growth) {
   PetscCall(OptionReal("-growth_ironing", &self->ironing, NULL));
   PetscCall(ReadSenses(self));
   nutates = (PetscBool)(self->nutation[0] != 0 || self->nutation[1] != 0);
-  self->any = (PetscBool)(self->senses || nutates || self->proprioception > 0 || self->ironing > 0);
+  self->any = TropismLearns(self);
   if (!self->any) PetscFunctionReturn(0);
   if (nutates) PetscCall(OptionReal("-tropism_nutation_rate", &self->nutation_rate, NULL));
   if (self->nutation[1] != 0) self->why = "-tropism_nutation_2";

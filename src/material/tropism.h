@@ -39,6 +39,12 @@ PetscReal TropismDriveAt(const Tropism *tropism, const TropismPlace *at, int ben
                          PetscReal signal, PetscReal u0, PetscReal elastic);
 PetscReal TropismNearLamp(const Tropism *tropism, const PetscReal from[3], const PetscReal to[3]);
 
+/* Does the material bend by itself at all? (Beside growth that feels force `any` holds without.) */
+static inline PetscBool TropismLearns(const Tropism *law) {
+  return (PetscBool)(law->senses || law->proprioception > 0 || law->ironing > 0 ||
+                     law->nutation[0] != 0 || law->nutation[1] != 0);
+}
+
 /* The clock a of the law: how fast the material there stretches, or the rate that is given. */
 static inline PetscReal TropismClock(const Tropism *tropism, Growth growth, PetscReal s,
                                      PetscReal t, PetscReal g, PetscReal g_t) {

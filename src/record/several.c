@@ -179,6 +179,122 @@ static PetscErrorCode WriteAbout(const Several *self, HdfFile file, PetscReal t)
   PetscFunctionReturn(0);
 }
 
+/* One number, or some, of all places, `from` reals behind the beginning of each. */
+static PetscErrorCode WritePlaces(const Several *self, HdfFile file, const char *name,
+                                  PetscInt width, size_t from, const char *units,
+                                  const char *text) {
+  const PetscInt dims[2] = {self->places, width};
+  PetscReal *value;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(self->places * width, &value));
+  for (PetscInt k = 0; k < self->places; k++)
+    PetscCall(PetscArraycpy(value + k * width,
+                            (const PetscReal *)((const char *)&self->place[k] + from), width));
+  PetscCall(HdfWrite(file, name, width > 1 ? 2 : 1, dims, value, units, text));
+  PetscCall(PetscFree(value));
+  PetscFunctionReturn(0);
+}
+
+/* Where rods touch, shape by shape. */
+static PetscErrorCode WritePairs(const Several *self, HdfFile file) {
+  const PetscInt dims[2] = {self->places, 2};
+  PetscReal *which;
+  PetscInt64 *first;
+  PetscInt *row;
+
+  PetscFunctionBegin;
+  if (!self->touch) PetscFunctionReturn(0);
+  PetscCall(HdfGroup(file, "/pairs"));
+  PetscCall(
+      PetscMalloc3(2 * self->places, &which, self->shapes + 1, &first, self->shapes + 1, &row));
+  for (PetscInt k = 0; k <= self->shapes; k++) {
+    row[k] = k;
+    first[k] = k ? self->until[k - 1] : 0;
+  }
+  for (PetscInt k = 0; k < 2 * self->places; k++) which[k] = self->place[k / 2].rod[k % 2];
+  PetscCall(HdfColumn(file, "/pairs/first", HDF_INTS, self->shapes + 1, "1",
+                      "first place of each shape, and behind the last [k+1]"));
+  PetscCall(HdfPut(file, "/pairs/first", self->shapes + 1, row, first));
+  PetscCall(HdfWrite(file, "/pairs/rods", 2, dims, which, "1",
+                     "which two rods touch there, counted from 0 [c, 2]"));
+  PetscCall(PetscFree3(which, first, row));
+  PetscCall(WritePlaces(self, file, "/pairs/s", 2, offsetof(StrandPlace, s), "1",
+                        "material labels of the middle of the place, on either [c, 2]"));
+  PetscCall(WritePlaces(self, file, "/pairs/force", 3, offsetof(StrandPlace, force), "N l",
+                        "force on the first, in the laboratory [c, 3]"));
+  PetscCall(WritePlaces(self, file, "/pairs/gap", 1, offsetof(StrandPlace, gap), "l",
+                        "the smallest gap there [c]"));
+  PetscFunctionReturn(0);
+}
+
+/* What a rod bears where it is joined, and so does to its carrier, in all shapes: a set of theirs.
+ */
+static PetscErrorCode WriteBorne(const Several *self, HdfFile file, const char *set,
+                                 const char *path, const char *units, const char *text) {
+  const PetscInt joints = JointsCount(self->joints), dims[3] = {self->each[0]->shapes_n, joints, 3};
+  PetscReal *all, *to;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(dims[0] * joints * 3, &all));
+  to = all;
+  for (PetscInt i = 0; i < dims[0]; i++)
+    for (PetscInt j = 0; j < joints; j++) {
+      const Joint *joint = JointsGet(self->joints, j);
+      const Output one = self->each[joint->rod];
+      const PetscInt node = joint->tip ? one->nodes - 1 : 0;
+      int k = 0;
+      while (strcmp(one->set[k].name, set) != 0) k++;
+      const PetscReal *at = one->shape[k] + (i * one->nodes + node) * 3;
+      for (int d = 0; d < 3; d++) *to++ = joint->tip ? -at[d] : at[d];
+    }
+  PetscCall(HdfWrite(file, path, 3, dims, all, units, text));
+  PetscCall(PetscFree(all));
+  PetscFunctionReturn(0);
+}
+
+/* Where rods hold each other: names, and the first of the carrier's two nodes there among all. */
+static PetscErrorCode WriteJoints(const Several *self, HdfFile file) {
+  const PetscInt n = JointsCount(self->joints);
+  const char **of;
+  PetscInt64 *node;
+  PetscInt *row;
+
+  PetscFunctionBegin;
+  if (!n) PetscFunctionReturn(0);
+  PetscCall(HdfGroup(file, "/joints"));
+  PetscCall(PetscMalloc3(n, &of, n, &node, n, &row));
+  for (int what = 0; what < 3; what++) {
+    static const char *const path[] = {"/joints/name", "/joints/on", "/joints/end"},
+                             *const text[] = {"rod that is held [j]", "rod that holds it [j]",
+                                              "which end of it: base or tip [j]"};
+    for (PetscInt j = 0; j < n; j++) {
+      const Joint *joint = JointsGet(self->joints, j);
+      const char *const said[] = {RodsName(self->rods, joint->rod),
+                                  RodsName(self->rods, joint->carrier),
+                                  joint->tip ? "tip" : "base"};
+      of[j] = said[what];
+      row[j] = j;
+    }
+    PetscCall(HdfColumn(file, path[what], HDF_TEXTS, n, "", text[what]));
+    PetscCall(HdfPut(file, path[what], n, row, of));
+  }
+  for (PetscInt j = 0; j < n; j++) {
+    const Joint *joint = JointsGet(self->joints, j);
+    node[j] = joint->node;
+    for (PetscInt k = 0; k < joint->carrier; k++) node[j] += self->each[k]->nodes;
+  }
+  PetscCall(HdfColumn(file, "/joints/node", HDF_INTS, n, "1",
+                      "first of the two nodes there of the rod that holds it, in the shapes [j]"));
+  PetscCall(HdfPut(file, "/joints/node", n, row, node));
+  PetscCall(PetscFree3(of, node, row));
+  PetscCall(WriteBorne(self, file, "/shapes/force", "/joints/force", "N l",
+                       "force on the rod that holds, in the laboratory [k, j, 3]"));
+  PetscCall(WriteBorne(self, file, "/shapes/moment", "/joints/moment", "N l^2",
+                       "moment on it [k, j, 3]"));
+  PetscFunctionReturn(0);
+}
+
 /* How far off any rod may be, once that is known. */
 static PetscErrorCode WriteErrors(const Several *self, HdfFile file) {
   PetscReal most = 0, end = 0;
@@ -208,9 +324,25 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
   PetscCall(WriteRods(self, file));
   PetscCall(WriteSeries(self, file));
   PetscCall(WriteShapes(self, file));
+  PetscCall(WriteJoints(self, file));
+  PetscCall(WritePairs(self, file));
   PetscCall(WriteAbout(self, file, t));
   PetscCall(WriteErrors(self, file));
   PetscCall(self->keep(self->ctx, file));
+  PetscFunctionReturn(0);
+}
+
+/* SeveralTouch - the places where rods touch in the shape that has been stored just now. */
+PetscErrorCode SeveralTouch(Several *self, PetscInt n, const StrandPlace place[]) {
+  PetscFunctionBegin;
+  if (self->places + n > self->room) {
+    self->room = 2 * self->room + n;
+    PetscCall(PetscRealloc((size_t)self->room * sizeof(StrandPlace), &self->place));
+  }
+  PetscCall(PetscArraycpy(self->place + self->places, place, n));
+  self->places += n;
+  PetscCall(PetscRealloc((size_t)(self->shapes + 1) * sizeof(PetscInt), &self->until));
+  self->until[self->shapes++] = self->places;
   PetscFunctionReturn(0);
 }
 
@@ -299,8 +431,44 @@ static PetscErrorCode TakeSet(const Several *self, const char *from, int set, Pe
   PetscFunctionReturn(0);
 }
 
+/* The places of so many shapes. */
+static PetscErrorCode TakePairs(Several *self, const char *from, PetscInt shapes) {
+  PetscReal *first, *which, *s, *force, *gap;
+  PetscInt n, dims[2];
+  PetscBool there;
+
+  PetscFunctionBegin;
+  PetscCall(HdfHas(from, "/pairs/first", &there));
+  if (!self->touch || !there) PetscFunctionReturn(0);
+  PetscCall(HdfRead("-restart", from, "/pairs/first", 1, &n, &first));
+  PetscCall(HdfRead("-restart", from, "/pairs/rods", 2, dims, &which));
+  PetscCall(HdfRead("-restart", from, "/pairs/s", 2, dims, &s));
+  PetscCall(HdfRead("-restart", from, "/pairs/force", 2, dims, &force));
+  PetscCall(HdfRead("-restart", from, "/pairs/gap", 1, dims, &gap));
+  for (PetscInt k = 0; k < PetscMin(shapes, n - 1); k++) {
+    const PetscInt begin = (PetscInt)first[k], count = (PetscInt)first[k + 1] - begin;
+    StrandPlace *place;
+    PetscCall(PetscMalloc1(count, &place));
+    for (PetscInt c = 0; c < count; c++) {
+      const PetscInt at = begin + c;
+      place[c] = (StrandPlace){.rod = {(PetscInt)which[2 * at], (PetscInt)which[2 * at + 1]},
+                               .s = {s[2 * at], s[2 * at + 1]},
+                               .gap = gap[at]};
+      PetscCall(PetscArraycpy(place[c].force, force + 3 * at, 3));
+    }
+    PetscCall(SeveralTouch(self, count, place));
+    PetscCall(PetscFree(place));
+  }
+  PetscCall(PetscFree(first));
+  PetscCall(PetscFree(which));
+  PetscCall(PetscFree(s));
+  PetscCall(PetscFree(force));
+  PetscCall(PetscFree(gap));
+  PetscFunctionReturn(0);
+}
+
 /* SeveralTake - reads what a file holds of the rods up to a time; as OutputContinue() has it. */
-PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, PetscReal interval) {
+PetscErrorCode SeveralTake(Several *self, const char *from, PetscReal t, PetscReal interval) {
   PetscReal *times;
   PetscInt rows, shapes;
 
@@ -318,6 +486,7 @@ PetscErrorCode SeveralTake(const Several *self, const char *from, PetscReal t, P
   for (int i = 0; i < OBSERVED; i++)
     if (Holds(self, i)) PetscCall(TakeSeries(self, from, i, rows));
   for (int set = 0; set < Fullest(self)->sets; set++) PetscCall(TakeSet(self, from, set, shapes));
+  PetscCall(TakePairs(self, from, shapes));
   PetscFunctionReturn(0);
 }
 
@@ -344,6 +513,8 @@ PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene) {
 
 PetscErrorCode SeveralEnd(Several *self) {
   PetscFunctionBegin;
+  PetscCall(PetscFree(self->place));
+  PetscCall(PetscFree(self->until));
   if (self->path[0]) PetscCall(LockGive(self->path));
   PetscFunctionReturn(0);
 }

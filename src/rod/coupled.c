@@ -10,7 +10,8 @@ struct _Coupled {
   const PetscScalar *open[2];
   /* what the matrix has room for: the feet of points on cell a are foot[from[a]] ... */
   PetscInt *from, *foot;
-  PetscInt n, (*near)[2]; /* the pairs that its pattern was made of */
+  PetscInt n;
+  CellPair *near; /* the pairs that its pattern was made of */
 };
 
 /* CoupledCreate - all nodes on each rank, and room in the matrix. The caller ends it with
@@ -105,13 +106,13 @@ static PetscErrorCode AddColumns(Rod rod, Columns *columns, PetscInt low, PetscI
 /* ... for the contact of a point on one cell with a foot on another, or near it. A force reaches
    the rows of its cell and of the next on either side, a couple (in space) those of one node more.
  */
-static PetscErrorCode AddPair(Rod rod, Columns *columns, const PetscInt cell[2]) {
+static PetscErrorCode AddPair(Rod rod, Columns *columns, CellPair pair) {
   const PetscInt reach = rod->model->space ? 2 : 1;
 
   PetscFunctionBegin;
   for (int k = 0; k < 2; k++) {
-    PetscInt a = cell[k], b = cell[1 - k], low = a - 1 - rod_rule.pattern_margin,
-             high = a + reach + rod_rule.pattern_margin;
+    PetscInt a = k ? pair.foot : pair.sample, b = k ? pair.sample : pair.foot,
+             low = a - 1 - rod_rule.pattern_margin, high = a + reach + rod_rule.pattern_margin;
     PetscCall(AddColumns(rod, columns, low, high, b - rod_rule.pattern_margin,
                          b + 1 + rod_rule.pattern_margin));
     PetscCall(AddColumns(rod, columns, low, high, a - rod_rule.pattern_margin,
@@ -150,29 +151,29 @@ static PetscErrorCode Allocate(Rod rod, Columns *columns, Mat J) {
 }
 
 /* Remembers for which pairs there is room. */
-static PetscErrorCode KeepPairs(Coupled self, PetscInt cells, PetscInt n, PetscInt (*near)[2]) {
+static PetscErrorCode KeepPairs(Coupled self, PetscInt cells, PetscInt n, CellPair *near) {
   PetscFunctionBegin;
   PetscCall(PetscFree(self->foot));
   PetscCall(PetscMalloc1(n, &self->foot));
   PetscCall(PetscArrayzero(self->from, cells + 1));
-  for (PetscInt k = 0; k < n; k++) self->from[near[k][0] + 1]++;
+  for (PetscInt k = 0; k < n; k++) self->from[near[k].sample + 1]++;
   for (PetscInt a = 0; a < cells; a++) self->from[a + 1] += self->from[a];
-  for (PetscInt k = 0; k < n; k++) self->foot[--self->from[near[k][0] + 1]] = near[k][1];
+  for (PetscInt k = 0; k < n; k++) self->foot[--self->from[near[k].sample + 1]] = near[k].foot;
   for (PetscInt a = 0; a < cells; a++) self->from[a] = self->from[a + 1];
   self->from[cells] = n;
   PetscFunctionReturn(0);
 }
 
 /* Is there room for a pair? */
-static PetscBool HasRoom(const struct _Coupled *self, const PetscInt cell[2]) {
-  for (PetscInt k = self->from[cell[0]]; k < self->from[cell[0] + 1]; k++)
-    if (PetscAbsInt(self->foot[k] - cell[1]) <= rod_rule.pattern_margin) return PETSC_TRUE;
+static PetscBool HasRoom(const struct _Coupled *self, CellPair pair) {
+  for (PetscInt k = self->from[pair.sample]; k < self->from[pair.sample + 1]; k++)
+    if (PetscAbsInt(self->foot[k] - pair.foot) <= rod_rule.pattern_margin) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 
 /* Gives J the pattern of the rod, all of which may see its tip, and of all pairs that are near to
    touching. */
-static PetscErrorCode NewPattern(Rod rod, Coupled self, Mat J, PetscInt n, PetscInt (*near)[2]) {
+static PetscErrorCode NewPattern(Rod rod, Coupled self, Mat J, PetscInt n, CellPair *near) {
   const PetscInt rows = rod->end - rod->first;
   Columns columns;
 
@@ -191,8 +192,7 @@ static PetscErrorCode NewPattern(Rod rod, Coupled self, Mat J, PetscInt n, Petsc
 }
 
 /* Is the pattern that of these pairs, or has it room for them at least? */
-static PetscBool Fits(const struct _Coupled *self, PetscBool exactly, PetscInt n,
-                      PetscInt (*near)[2]) {
+static PetscBool Fits(const struct _Coupled *self, PetscBool exactly, PetscInt n, CellPair *near) {
   PetscBool fits = PETSC_TRUE;
 
   if (exactly)
@@ -210,8 +210,8 @@ static PetscBool Fits(const struct _Coupled *self, PetscBool exactly, PetscInt n
   fresh  a Newton solve begins
   near   n pairs of cells that are near to touching; it is taken over
 */
-PetscErrorCode CoupledPattern(Rod rod, Coupled self, PetscBool fresh, PetscInt n,
-                              PetscInt (*near)[2], Mat J) {
+PetscErrorCode CoupledPattern(Rod rod, Coupled self, PetscBool fresh, PetscInt n, CellPair *near,
+                              Mat J) {
   PetscBool assembled, own;
 
   PetscFunctionBegin;

@@ -4,6 +4,7 @@
 #define TENDRIL_COUPLED_H
 
 #include "rod/rod.h"
+#include "rod/strands.h"
 
 typedef struct _Coupled *Coupled;
 
@@ -11,7 +12,7 @@ PetscErrorCode CoupledCreate(Rod rod, Coupled *coupled);
 PetscErrorCode CoupledDestroy(Coupled *coupled);
 PetscErrorCode CoupledOpen(Coupled self, Vec U, Vec U_t, const PetscReal *u[2]);
 PetscErrorCode CoupledClose(Coupled self, Vec U, Vec U_t);
-PetscErrorCode CoupledPattern(Rod rod, Coupled self, PetscBool fresh, PetscInt n,
-                              PetscInt (*near)[2], Mat J);
+PetscErrorCode CoupledPattern(Rod rod, Coupled self, PetscBool fresh, PetscInt n, CellPair *near,
+                              Mat J);
 
 #endif

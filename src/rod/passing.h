@@ -8,8 +8,17 @@
 
 PetscErrorCode RodPassesWalls(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                               PetscBool *passes);
-PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
-                               PetscBool *passes);
+
+/* The cells of a rank in two states, with the times of these: what walls are asked about. */
+typedef struct {
+  PetscReal t0;
+  PetscInt n;
+  FootCell *before, *now;
+} Passing;
+
+/* passing_plane.c, passing_space.c: has the rod passed through a wall? Collective. */
+PetscErrorCode PassingTellPlane(Rod rod, const Passing *passing, PetscBool *passes);
+PetscErrorCode PassingTellSpace(Rod rod, const Passing *passing, PetscBool *passes);
 PetscErrorCode RodRefuseFeet(Rod rod, PetscReal t, PetscBool crowded);
 PetscErrorCode RodFootCells(Rod rod, PetscReal t, Vec U, PetscInt n, FootCell cell[]);
 

@@ -220,43 +220,22 @@ static PetscBool CellIsBehind(const Look *look, PetscReal since, Bezier b0, Bezi
   return PETSC_FALSE;
 }
 
-/* RodPassesWalls3 - as RodPassesWalls(), of a rod in space. */
-PetscErrorCode RodPassesWalls3(Rod rod, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
-                               PetscBool *passes) {
+/* PassingTellSpace - as RodPassesWalls(), of a rod in space. */
+PetscErrorCode PassingTellSpace(Rod rod, const Passing *cells, PetscBool *passes) {
   const Contact *contact = &rod->scene->contact;
-  const PetscInt n = PetscMin(rod->end, rod->last) - rod->first;
-  enum { PASSES, CROWDED, FEET, VERDICTS };
-  int verdict[VERDICTS] = {0};
   Look look = {.contact = contact};
-  Touch touch[MOST_TOUCHES];
-  Feet feet = {.n = 0};
-  FootCell *cell[2];
-  Bezier b[2];
+  Bezier before, now;
 
   PetscFunctionBegin;
-  PetscCall(SceneContactAt(rod->scene, t1));
   look.deep =
       contact->diameter > 0 ? contact->diameter / 2 : rod_rule.lengths_behind * contact->tip;
   look.fine = look.deep / rod_rule.passing_parts;
-  PetscCall(PetscMalloc2(n, &cell[0], n, &cell[1]));
-  PetscCall(RodFootCells(rod, t0, U0, n, cell[0]));
-  PetscCall(RodFootCells(rod, t1, U1, n, cell[1]));
-  for (PetscInt k = 0; k < n && !verdict[PASSES]; k++) {
-    for (int now = 0; now < 2; now++) CurveOf(&cell[now][k], b[now]);
-    if (CurveIsBehind(&look, b[1], 0) || CellIsBehind(&look, t0, b[0], b[1])) verdict[PASSES] = 1;
-    if (ContactTouches(3, contact, cell[1][k].curve.x[1], touch) >= MOST_SURFACES)
-      verdict[CROWDED] = 1;
-    if (contact->thin) FeetFind(contact, &cell[1][k], contact->smooth, &feet);
-    if (feet.n == MOST_FEET) verdict[FEET] = 1;
+  *passes = PETSC_FALSE;
+  for (PetscInt k = 0; k < cells->n && !*passes; k++) {
+    CurveOf(&cells->before[k], before);
+    CurveOf(&cells->now[k], now);
+    *passes =
+        (PetscBool)(CurveIsBehind(&look, now, 0) || CellIsBehind(&look, cells->t0, before, now));
   }
-  PetscCall(PetscFree2(cell[0], cell[1]));
-  PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, verdict, VERDICTS, MPI_INT, MPI_MAX, rod->scene->comm));
-  UserCheck(
-      !verdict[CROWDED], rod->scene->comm,
-      "-wall_file: at t = %g %d walls or more touch the rod at one place: take out those that "
-      "lie on each other",
-      (double)t1, (int)MOST_SURFACES);
-  PetscCall(RodRefuseFeet(rod, t1, (PetscBool)verdict[FEET]));
-  *passes = (PetscBool)verdict[PASSES];
   PetscFunctionReturn(0);
 }

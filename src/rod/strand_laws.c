@@ -1,5 +1,6 @@
 /* Strands of several rods: the law by which two touch, and their frames. */
 #include "rod/strand_pairs.h"
+#include <string.h>
 
 /* ---- laws ---- */
 
@@ -74,17 +75,18 @@ PetscErrorCode StrandLawOf(Strands self, PetscInt a, PetscInt b, const Contact *
 
 /* A column of a matrix is brought into the laboratory's frame. */
 static void ColumnToLab(Scene scene, PetscReal by[3][4], int j) {
-  const PetscReal v[3] = {by[0][j], by[1][j], by[2][j]};
-  PetscReal lab[3];
+  PetscReal v[3], lab[3];
 
+  Column3(by[0], 4, j, v);
   SceneToLab(scene, v, lab);
   for (int d = 0; d < 3; d++) by[d][j] = lab[d];
 }
 
 /* A vector likewise, or back from there. */
 static void Turn(Scene scene, PetscBool to_lab, PetscReal v[3]) {
-  const PetscReal from[3] = {v[0], v[1], v[2]};
+  PetscReal from[3];
 
+  memcpy(from, v, sizeof(from));
   if (to_lab)
     SceneToLab(scene, from, v);
   else
@@ -95,8 +97,9 @@ static void Turn(Scene scene, PetscBool to_lab, PetscReal v[3]) {
    in its own: see StrandSlopeToOwn(). (Rates of all parts of it have one shift.) */
 void StrandJointToLab(const struct _Strands *self, PetscInt node, Joint *joint) {
   const Scene scene = StrandOf(self, node)->scene;
-  const PetscReal own[3] = {joint->x[0], joint->x[1], joint->x[2]};
+  PetscReal own[3];
 
+  memcpy(own, joint->x, sizeof(own));
   ScenePlaceToLab(scene, own, joint->x);
   Turn(scene, PETSC_TRUE, joint->x_t);
   Turn(scene, PETSC_TRUE, joint->q);
@@ -117,7 +120,8 @@ void StrandsToOwn(const struct _Strands *self, PetscReal (*load)[3]) {
    places into those of the rods that the cells are of. */
 static void ByToOwn(Scene of_load, const Scene of_cell[2], StrandBy by) {
   for (int u = 0; u < STRAND_UNKNOWNS; u++) {
-    PetscReal v[3] = {by[0][u], by[1][u], by[2][u]};
+    PetscReal v[3];
+    Column3(by[0], STRAND_UNKNOWNS, u, v);
     Turn(of_load, PETSC_FALSE, v);
     for (int d = 0; d < 3; d++) by[d][u] = v[d];
   }

@@ -145,7 +145,8 @@ StrandCell *StrandRowsCell(Rod rod, StrandRows self, PetscInt i) {
 
 /* StrandRowsPattern - sees to it that J has room for all pairs, and is 0. Collective. */
 PetscErrorCode StrandRowsPattern(Rod rod, StrandRows self, PetscBool fresh, Mat J) {
-  PetscInt n, (*near)[2];
+  CellPair *near;
+  PetscInt n;
 
   PetscFunctionBegin;
   PetscCall(StrandsNear(self->strands, &n, &near));

@@ -128,9 +128,8 @@ ALWAYS_INLINE void TakersSlope(int dims, const struct _Strands *self, const Pair
   }
   for (int u = 0; u < 4 * NodeOf(dims) && PairOnClamp(self, pair); u++) {
     const PetscReal *axis = StrandOf(self, pair->foot.cell)->axis,
-                    dn[3] = {by->n[0][u], by->n[1][u], by->n[2][u]},
-                    borne =
-                        pair->p_gap * by->gap[u] * Dot3(pair->n, axis) + pair->p * Dot3(dn, axis);
+                    borne = pair->p_gap * by->gap[u] * Dot3(pair->n, axis) +
+                            pair->p * ColumnDot3(by->n[0], STRAND_UNKNOWNS, u, axis);
     for (int d = 0; d < dims; d++) df[1][d][u] += borne * axis[d];
   }
   slope->cell[0] = pair->at.cell;

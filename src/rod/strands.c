@@ -3,6 +3,7 @@
 #include "rod/directors.h"
 #include "rod/strand_pairs.h"
 #include "rod/rules.h"
+#include <string.h>
 
 enum { MOST_SAMPLES = 32 }; /* of a cell */
 
@@ -533,7 +534,8 @@ static void TellEach(Strands self) {
   if (self->couple) StrandsToOwn(self, self->couple);
   for (PetscInt r = 0; r < self->rods; r++) {
     StrandSum *sum = &self->rod[r].sum;
-    const PetscReal lab[3] = {sum->clamp[0], sum->clamp[1], sum->clamp[2]};
+    PetscReal lab[3];
+    memcpy(lab, sum->clamp, sizeof(lab));
     SpaceFromLab(&self->rod[r].scene->space, lab, sum->clamp);
   }
 }
@@ -602,7 +604,7 @@ PetscInt StrandsFirst(Strands self, PetscInt rod) {
 
 /* StrandsNear - the cells of all pairs that are near to touching: of the sample, of the foot, each
    once. The caller frees them. */
-PetscErrorCode StrandsNear(Strands self, PetscInt *n, PetscInt (**cells)[2]) {
+PetscErrorCode StrandsNear(Strands self, PetscInt *n, CellPair **cells) {
   PetscInt m = 0;
 
   PetscFunctionBegin;
@@ -611,11 +613,10 @@ PetscErrorCode StrandsNear(Strands self, PetscInt *n, PetscInt (**cells)[2]) {
     const PetscInt a = self->pair[k].at.cell, b = self->pair[k].foot.cell;
     PetscInt seen = m - 1;
     while (seen >= 0 && m - seen <= 2 * StrandOf(self, a)->each &&
-           ((*cells)[seen][0] != a || (*cells)[seen][1] != b))
+           ((*cells)[seen].sample != a || (*cells)[seen].foot != b))
       seen--;
-    if (seen >= 0 && (*cells)[seen][0] == a && (*cells)[seen][1] == b) continue;
-    (*cells)[m][0] = a;
-    (*cells)[m++][1] = b;
+    if (seen >= 0 && (*cells)[seen].sample == a && (*cells)[seen].foot == b) continue;
+    (*cells)[m++] = (CellPair){a, b};
   }
   *n = m;
   PetscFunctionReturn(0);

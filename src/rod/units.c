@@ -24,7 +24,7 @@ static PetscErrorCode FactorAlong(Rod rod, PetscReal *factor, PetscBool *unheld)
   Node *nodes;
 
   PetscFunctionBegin;
-  *factor = 1;
+  *factor = load->factor > 0 ? load->factor : 1;
   *unheld = PETSC_FALSE;
   if (!load->field) PetscFunctionReturn(0);
   PetscCall(PetscMalloc1(rod->end - rod->first, &nodes));

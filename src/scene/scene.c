@@ -348,9 +348,21 @@ PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene) {
   PetscFunctionReturn(0);
 }
 
-/* SceneCreate - of a rod that no other carries: SceneCreateOn(). Collective. */
+/* SceneCreate - of a rod alone: SceneCreateOn(). What it is beside others is what the scales are
+   of. Collective. */
 PetscErrorCode SceneCreate(Scene *scene) {
+  static const char *const beside[] = {"-rod_stiffness", "-friction_strength", "-growth_speed",
+                                       "-clamp_on", "-tip_on"};
+  PetscBool given;
+
   PetscFunctionBegin;
+  *scene = NULL;
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(beside); k++) {
+    PetscCall(OptionGiven(beside[k], &given));
+    UserCheck(!given, OptionsComm(),
+              "%s: is of one of several rods; take it out, or write sections [rod NAME]",
+              beside[k]);
+  }
   PetscCall(SceneCreateOn(NULL, PETSC_FALSE, scene));
   PetscFunctionReturn(0);
 }

@@ -147,7 +147,7 @@ static inline PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal 
    NULL). */
 static inline PetscErrorCode SceneStiffness(Scene scene, PetscReal s, PetscReal t, PetscReal *B,
                                             PetscReal *B_t) {
-  *B = 1;
+  *B = scene->stiffness.all;
   if (B_t) *B_t = 0;
   return scene->stiffness.varies ? StiffnessTable(&scene->stiffness, scene->growth, s, t, B, B_t)
                                  : (PetscErrorCode)0;

@@ -180,7 +180,7 @@ static PetscErrorCode ClampPlace(Space *self, const Tip *tip) {
   if (!given) PetscFunctionReturn(0);
   PetscCall(PetscArraycpy(self->place, place, 3));
   UserCheck(!tip->path, OptionsComm(),
-            "-clamp_place: not with -tip_path, which is told from a clamp at 0; leave one out");
+            "-clamp_place: not with -tip_path, which is given from a clamp at 0; leave one out");
   if (self->place[0] != 0 || self->place[1] != 0 || self->place[2] != 0) self->why = "-clamp_place";
   PetscFunctionReturn(0);
 }

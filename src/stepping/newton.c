@@ -376,11 +376,12 @@ static PetscErrorCode MatrixAsked(TS ts, PetscBool *wanted) {
 static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   const RodEnds ends = RodEndsOf(rod);
   PetscMPIInt ranks;
+  PetscInt halves[2];
 
   PetscFunctionBegin;
+  LearnedHalves(rod, halves);
   PetscCallMPI(MPI_Comm_size(rod->comm, &ranks));
-  *has = (PetscBool)(rod->model->eliminate && !LearnedExtra(rod) &&
-                     EliminationCan(rod->model->halves, ranks) && ends.clamped &&
+  *has = (PetscBool)(rod->model->eliminate && EliminationCan(halves, ranks) && ends.clamped &&
                      (ranks == 1 || !ends.tip_held));
   PetscFunctionReturn(0);
 }
@@ -425,13 +426,16 @@ static PetscErrorCode SolverOf(TS ts, KSP *ksp, PC *pc) {
   PetscFunctionReturn(0);
 }
 
-/* What eliminates the equations of one rod, or of several that do not see each other. */
-static PetscErrorCode CreateElimination(Rod rod, Elimination *elimination) {
-  PetscInt *nodes;
+/* What eliminates the equations of one rod, or of several that do not see each other; counts: to
+   count modes alone. */
+static PetscErrorCode CreateElimination(Rod rod, PetscBool counts, Elimination *elimination) {
+  PetscInt *nodes, halves[2];
 
   PetscFunctionBegin;
+  LearnedHalves(rod, halves);
   if (!rod->at) {
-    PetscCall(EliminationCreate(rod->comm, rod->end - rod->first, rod->model->halves, elimination));
+    PetscCall(EliminationCreate(rod->comm, rod->end - rod->first,
+                                counts ? rod->model->halves : halves, elimination));
     PetscFunctionReturn(0);
   }
   PetscCall(PetscMalloc1(rod->rods, &nodes));
@@ -443,7 +447,8 @@ static PetscErrorCode CreateElimination(Rod rod, Elimination *elimination) {
 
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
    feels the spin of a rod modes are counted in another one (rod/space_cells.h), and so they are
-   where a tip is held at rest, whose last cell else had no friction at one end alone. */
+   where a tip is held at rest, whose last cell else had no friction at one end alone, and where
+   growth feels force. */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   Rod rod = newton->rod;
   PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;
@@ -451,7 +456,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(CreateElimination(rod, &newton->elimination));
+  PetscCall(CreateElimination(rod, PETSC_FALSE, &newton->elimination));
   PetscCall(MatCreateShell(rod->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(SolverOf(ts, &ksp, &pc));
@@ -459,8 +464,8 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
     PetscCall(LearnedSetType(pc, rod, newton->elimination));
   else
     PetscCall(EliminationSetType(pc, newton->elimination));
-  if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests)
-    PetscCall(CreateElimination(rod, &newton->counter));
+  if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests || LearnedExtra(rod))
+    PetscCall(CreateElimination(rod, PETSC_TRUE, &newton->counter));
   PetscFunctionReturn(0);
 }
 
@@ -508,9 +513,51 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
       PetscCall(SetBlockLU(ts, newton));
     else
       PetscCall(RodCreateMatrix(rod, &newton->J));
-    if (counts) PetscCall(CreateElimination(rod, &newton->counter));
+    if (counts) PetscCall(CreateElimination(rod, PETSC_TRUE, &newton->counter));
   }
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, Jacobian, newton));
+  PetscFunctionReturn(0);
+}
+
+/*
+  NewtonDetermines - do the equations determine the unknowns in a state at rest at t = 0? Rods that
+  hold each other in a ring may have forces that nothing tells: along rods that are straight, for
+  these do not stretch. Of a rod whose matrix is one. A solution is then all but without bounds, or
+  there is none.
+
+  rate  of the friction that is felt
+*/
+PetscErrorCode NewtonDetermines(Newton *newton, Vec U, PetscReal rate, PetscBool *determined) {
+  RodState at = {.U = U, .fresh = PETSC_TRUE};
+  KSPConvergedReason reason;
+  PetscReal size[2];
+  PetscInt n;
+  Vec b, x;
+  KSP ksp;
+  PC pc;
+
+  PetscFunctionBegin;
+  PetscCall(VecDuplicate(U, &b));
+  PetscCall(VecDuplicate(U, &x));
+  PetscCall(VecDuplicate(U, &at.U_t));
+  PetscCall(VecZeroEntries(at.U_t));
+  PetscCall(VecGetSize(b, &n));
+  for (PetscInt i = 0; i < n; i++)
+    PetscCall(VecSetValue(b, i, PetscSinReal(i + 1.), INSERT_VALUES));
+  PetscCall(VecAssemblyBegin(b));
+  PetscCall(VecAssemblyEnd(b));
+  for (PetscInt f = 0; f < newton->rod->model->fields; f++) at.shift[f] = rate;
+  PetscCall(newton->rod->model->jacobian(newton->rod, &at, newton->J));
+  PetscCall(SolverOf(newton->ts, &ksp, &pc));
+  PetscCall(KSPSetOperators(ksp, newton->J, newton->J));
+  PetscCall(KSPSolve(ksp, b, x));
+  PetscCall(KSPGetConvergedReason(ksp, &reason));
+  PetscCall(VecNorm(b, NORM_INFINITY, &size[0]));
+  PetscCall(VecNorm(x, NORM_INFINITY, &size[1]));
+  *determined = (PetscBool)(reason >= 0 && size[1] < step_rule.boundless * size[0]);
+  PetscCall(VecDestroy(&b));
+  PetscCall(VecDestroy(&x));
+  PetscCall(VecDestroy(&at.U_t));
   PetscFunctionReturn(0);
 }
 

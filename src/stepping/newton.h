@@ -33,6 +33,7 @@ typedef struct {
 PetscErrorCode NewtonSetUp(TS ts, Rod rod, Newton *newton);
 void NewtonFollow(Newton *newton, PetscReal rtol);
 PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton);
+PetscErrorCode NewtonDetermines(Newton *newton, Vec U, PetscReal rate, PetscBool *determined);
 PetscErrorCode NewtonTakesFullSteps(const Newton *newton, PetscBool *full);
 PetscErrorCode NewtonCuts(const Newton *newton, PetscBool cuts);
 PetscErrorCode NewtonEliminate(Newton *newton, Elimination elimination);

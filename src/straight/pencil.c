@@ -1,6 +1,7 @@
 #include "straight/pencil.h"
 #include "base/bspline.h"
 #include "straight/straight.h"
+#include "straight/yielding.h"
 
 /* B-splines on a cell at z = s: value[0..2] the quadratics, value[3..5] their slopes, value[6..9]
    the cubics. */
@@ -100,6 +101,12 @@ static PetscErrorCode Map(Pencil self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* Does material slide past the places at which a problem stands still? Where growth that feels
+   force is all along, these are the material's own. */
+static PetscBool Slides(Growth growth) {
+  return (PetscBool)(growth->slides && !(growth->rests && growth->finest == 0));
+}
+
 /* Is the straight rod a solution, and are its eigenvalues to be had? Where material is at rest they
    crowd towards 0 as beta falls. */
 static PetscErrorCode CheckStraight(Scene scene) {
@@ -111,7 +118,9 @@ static PetscErrorCode CheckStraight(Scene scene) {
       LoadIsEven(&scene->load, scene->reach, scene->end_time), scene->comm,
       "-friction_field: it changes across the rod's axis, where a straight rod does not stay "
       "straight; -task critical, -task stability and -shape_type mode need one that does not");
-  UserCheck(!scene->growth->rests || friction->mu == 0 || friction->beta >= least, scene->comm,
+  UserCheck(!scene->growth->rests || scene->growth->finest == 0 || friction->mu == 0 ||
+                friction->beta >= least,
+            scene->comm,
             "-friction_beta: material behind the growth zone is at rest; for its eigenvalues take "
             "%g at least",
             (double)least);
@@ -138,7 +147,7 @@ PetscErrorCode PencilCreate(MPI_Comm comm, Scene scene, const Mesh *mesh, PetscR
   self->growth = scene->growth;
   self->way = way;
   self->ways = way == WAY_BOTH ? 2 : 1;
-  self->skew = (PetscBool)(scene->growth->slides || scene->load.across != 1 ||
+  self->skew = (PetscBool)(Slides(scene->growth) || scene->load.across != 1 ||
                            (scene->tip.force != 0 && scene->tip.law == TIP_FOLLOWER));
   self->held = scene->tip.type == TIP_FREE ? 0 : scene->tip.type == TIP_PINNED ? 1 : 2;
   self->mesh = mesh;
@@ -181,7 +190,7 @@ PetscErrorCode PencilDrift(Pencil self, PetscReal s, PetscReal t, PencilFrame fr
 
   PetscFunctionBegin;
   *drift = 0;
-  if (!self->growth->slides || frame == FRAME_MATERIAL) PetscFunctionReturn(0);
+  if (!Slides(self->growth)) PetscFunctionReturn(0);
   PetscCall(StraightAt(self->scene, s, t, &at));
   PetscCall(GrowthLength(self->growth, t, &L, &L_t));
   *drift = frame == FRAME_LABEL ? at.c : frame == FRAME_ARC ? at.V : at.V - L_t;
@@ -199,7 +208,7 @@ static PetscErrorCode SlideAt(Pencil self, PetscReal s, PetscReal t, PencilFrame
   PetscFunctionBegin;
   PetscCall(StraightAt(self->scene, s, t, &at));
   PetscCall(PencilDrift(self, s, t, frame, &drift));
-  *slide = frame == FRAME_ARC && self->growth->slides ? at.V / a : drift + (1 - a) / a * at.V;
+  *slide = frame == FRAME_ARC && Slides(self->growth) ? at.V / a : drift + (1 - a) / a * at.V;
   PetscFunctionReturn(0);
 }
 
@@ -295,14 +304,15 @@ static PetscErrorCode TipSet(Pencil self, PetscReal t, PencilFrame frame) {
 
   frame   FRAME_LABEL: y_t at fixed s, what the time stepping sees; FRAME_ARC: y_t at fixed arc
           length, the rod of frozen length that feed's eigenvalues are defined by; FRAME_TIP: at a
-          fixed distance from the tip, where a growth zone rests; FRAME_MATERIAL: of the material.
-          They differ for laws that slide only.
+          fixed distance from the tip, where a growth zone rests. They differ for laws that slide
+  only.
 */
 PetscErrorCode PencilSetTime(Pencil self, PetscReal t, PencilFrame frame) {
   PetscInt labels = (self->mesh->cells - self->cell) * GAUSS + 1;
   PetscReal most[4] = {0, PETSC_MIN_REAL, PETSC_MIN_REAL, PETSC_MIN_REAL}, all[4];
 
   PetscFunctionBegin;
+  if (self->growth->yield > 0) PetscCall(YieldingAt(self->scene, t));
   if (self->map == map_follows) PetscCall(Map(self, t));
   PetscCall(StraightForce(self->scene, labels, self->label, t, self->force));
   if (self->ways > 1)

@@ -42,9 +42,9 @@ typedef enum {
   FORM_TORQUE_T    /* its transpose */
 } PencilForm;
 
-/* For sliding laws the time derivative may be taken at fixed label s, at fixed arc length, at a
-   fixed distance from the tip, or of the material. */
-typedef enum { FRAME_LABEL, FRAME_ARC, FRAME_TIP, FRAME_MATERIAL } PencilFrame;
+/* For sliding laws the time derivative may be taken at fixed label s, at fixed arc length, or at a
+   fixed distance from the tip. */
+typedef enum { FRAME_LABEL, FRAME_ARC, FRAME_TIP } PencilFrame;
 
 typedef struct {
   PetscReal dz, ds, g, g_z, P, B, drag, drag_rate, slide, ratio; /* at a Gauss point; g = dp/dz */

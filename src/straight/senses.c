@@ -24,8 +24,7 @@ static PetscBool Remembers(const Senses *self) {
 
 /* The frame in which the problem stands still, but for what the length does. */
 static PencilFrame FrameOf(Growth growth) {
-  if (growth->finest > 0) return FRAME_TIP;
-  return growth->rests ? FRAME_MATERIAL : FRAME_ARC;
+  return growth->finest > 0 ? FRAME_TIP : FRAME_ARC;
 }
 
 /*

@@ -5,7 +5,8 @@
  * known in closed form.
  */
 PetscBool StraightScales(Scene scene) {
-  return (PetscBool)(scene->growth->even && scene->growth->similar && !scene->load.moves &&
+  return (PetscBool)(scene->growth->even && scene->growth->similar && scene->growth->rate == 1 &&
+                     scene->load.factor == 1 && scene->stiffness.all == 1 && !scene->load.moves &&
                      !scene->stiffness.varies && scene->tip.force == 0 && scene->tip.push[0] == 0 &&
                      scene->tip.type == TIP_FREE && !StraightIsTwisted(scene));
 }
@@ -31,7 +32,7 @@ PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion 
   motion->c = GrowthSlide(scene->growth, s, t);
   motion->V = GrowthSpeed(scene->growth, s, t, motion->p_t);
   x[0] = motion->p;
-  motion->N = scene->load.moves ? LoadFactor(&scene->load, x, t, slope) : 1;
+  motion->N = LoadFactor(&scene->load, x, t, slope);
   motion->drag = LoadAxialDrag(&scene->load, Seen(&scene->load, motion->V)) * motion->N;
   PetscFunctionReturn(0);
 }

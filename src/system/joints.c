@@ -251,8 +251,10 @@ void JointsRelate(Joint *joint, const Rod each[], const PetscReal own[], const P
   QuaternionTimes(joint->from_carrier, of + P, carried);
   QuaternionFrom(carried, own + P, joint->turn);
   QuaternionNormalise(joint->turn);
-  memcpy(joint->x, own + X, sizeof(joint->x));
   memcpy(joint->x_P, of + X, sizeof(joint->x_P));
+  ScenePlaceToLab(each[joint->carrier]->scene, of + X, lab);
+  for (int k = 0; k < 3; k++) lab[k] -= space->place[k];
+  SpaceFromLab(space, lab, joint->x); /* (a beginning is there; a tip but for round-off) */
   if (joint->kind == JOINT_HINGE) {
     Directors(own + P, QuaternionSize(own + P), d);
     SpaceFromLab(space, joint->across, lab);

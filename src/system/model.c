@@ -367,7 +367,7 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands stran
   system->joints = joints;
   for (PetscInt k = 0; k < n; k++)
     if (each[k]->scene->clamp != CLAMP_HELD || each[k]->coupled) self->coupled = PETSC_TRUE;
-  if (JointsCount(joints) > 0) self->coupled = PETSC_TRUE;
+  if (JointsCount(joints) > 0 || strands) self->coupled = PETSC_TRUE;
   PetscCall(PetscMalloc1(n, &self->each));
   PetscCall(PetscArraycpy(self->each, each, n));
   PetscCall(SceneShare(each[0]->scene, &self->scene));
@@ -378,7 +378,6 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands stran
   self->last = self->end - 1;
   PetscCall(OpenWindow(self->end, self->model->fields, &system->window));
   if (strands) PetscCall(StrandRowsCreate(self, strands, &system->rows));
-  if (strands) self->coupled = PETSC_TRUE;
   for (int k = 0; k < 2; k++) self->kept[k].t = PETSC_MIN_REAL;
   PetscCall(DMDACreate1d(PETSC_COMM_SELF, DM_BOUNDARY_NONE, self->end, self->model->fields, 1, NULL,
                          &self->da));

@@ -397,6 +397,8 @@ static PetscErrorCode Enter(Rods self, OneRod *rod) {
 
 /* Reads what pairs are said to have. */
 static PetscErrorCode TakePairs(Rods self) {
+  PetscBool given;
+
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->pairs; k++) {
     OneRod *pair = &self->pair[k];
@@ -405,10 +407,12 @@ static PetscErrorCode TakePairs(Rods self) {
       PetscCall(PetscOptionsSetValue(pair->options, pair->said[i].name, pair->said[i].value));
     PetscCall(ReadingCreate(PETSC_COMM_SELF, pair->options, NULL, &pair->reading));
     PetscCall(Enter(self, pair));
-    pair->how = (StrandMeeting){.touch = PETSC_TRUE, .friction = -1};
+    pair->how.touch = PETSC_TRUE;
     PetscCall(OptionBool("-contact", &pair->how.touch, NULL));
-    PetscCall(OptionReal("-contact_friction", &pair->how.friction, NULL));
-    PetscCall(OptionReal("-contact_stiffness", &pair->how.stiffness, NULL));
+    PetscCall(OptionReal("-contact_friction", &pair->how.friction, &given));
+    if (!given) pair->how.friction = -1;
+    PetscCall(OptionReal("-contact_stiffness", &pair->how.stiffness, &given));
+    if (!given) pair->how.stiffness = 0;
     PetscCall(RodsLeave(self));
   }
   self->touch = (PetscBool)(self->pairs > 0);

@@ -51,7 +51,7 @@ static PetscErrorCode FactorCreate(MPI_Comm comm, Scene scene, PetscInt cells, S
                                    PetscBool dense, PetscBool quiet, Factor *self) {
   PetscFunctionBegin;
   self->dense = dense;
-  self->learns = scene->tropism.any;
+  self->learns = TropismLearns(&scene->tropism);
   if (self->learns) {
     PetscCall(SensesCreate(scene, LEARNED_CELLS, way, &self->few));
     PetscCall(SensesCreate(scene, cells, way, &self->all));
@@ -243,7 +243,8 @@ static PetscErrorCode Scan(Scene scene, StraightWay way, Sight *sight) {
   PetscFunctionBegin;
   error = SceneBends(scene, straight_on, &sight->bends);
   sight->bent = sight->bends.n;
-  many = (PetscBool)(sight->bent > MANY_BENDS && IsSmooth(scene) && !scene->tropism.any);
+  many =
+      (PetscBool)(sight->bent > MANY_BENDS && IsSmooth(scene) && !TropismLearns(&scene->tropism));
   if (!error)
     error = FactorCreate(PETSC_COMM_SELF, scene, SCAN_CELLS, way, PETSC_TRUE, PETSC_TRUE, &coarse);
   if (!error && many)
@@ -492,15 +493,20 @@ const char *CriticalLooks(const Critical *self, char text[], size_t size) {
 
 /* A rod that has no critical time to be told is told why. */
 static PetscErrorCode CheckFate(Scene scene, const Critical *self, Fate fate) {
-  char text[64], looks[128];
+  char text[64], looks[128], slow[64] = "";
   const Tropism *law = &scene->tropism;
+  PetscReal L, L_t;
 
   PetscFunctionBegin;
+  PetscCall(GrowthLength(scene->growth, scene->end_time, &L, &L_t));
+  if (scene->growth->yield > 0) /* rather than to buckle it may stall */
+    (void)snprintf(slow, sizeof(slow), ", of length %.6g, and grows at %.2g of its speed",
+                   (double)L, (double)L_t);
   UserCheck(fate != UNSTABLE || law->senses || law->ironing == 0 || law->proprioception > 0,
             scene->comm,
             "-growth_ironing: without -tropism_proprioception any thrust makes the straight rod "
             "creep out of line, so it has no critical length; -task stability tells how fast");
-  UserCheck(fate != UNSTABLE || !law->any, scene->comm,
+  UserCheck(fate != UNSTABLE || !TropismLearns(law), scene->comm,
             "-growth_initial_length: the straight rod is unstable already at t = 0: take it "
             "shorter, or more -tropism_proprioception, less -tropism_memory or -growth_ironing, "
             "and -tropism_direction where it grows");
@@ -514,8 +520,8 @@ static PetscErrorCode CheckFate(Scene scene, const Critical *self, Fate fate) {
             "-tip_force: nothing presses the straight rod, so it is stable, however long it is: "
             "load it, or let it grow (-growth_type)");
   UserCheck(fate == CROSSES, scene->comm,
-            "-ts_max_time %s: the straight rod is stable up to there%s%s, %s",
-            OptionBoth(scene->end_time, UNIT_TIME, text),
+            "-ts_max_time %s: the straight rod is stable up to there%s%s%s, %s",
+            OptionBoth(scene->end_time, UNIT_TIME, text), slow,
             fate == PULLED ? ", pulled all along" : "", CriticalLooks(self, looks, sizeof(looks)),
             GrowthOutlook(scene->growth));
   PetscFunctionReturn(0);

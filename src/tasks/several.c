@@ -139,6 +139,28 @@ static PetscErrorCode Meet(void *ctx, PetscInt a, PetscInt b, StrandMeeting *how
   PetscFunctionReturn(0);
 }
 
+/* The node of a rod at which it is held by a joint. */
+static PetscInt HeldAt(const Run *self, const Joint *joint) {
+  return joint->tip ? self->scene[joint->rod]->mesh.cells : 0;
+}
+
+/* Rods do not touch near a joint, neither those that are held in one place nor what holds them. */
+static PetscErrorCode JoinStrands(const Run *self, Strands strands) {
+  PetscFunctionBegin;
+  for (PetscInt j = 0; j < JointsCount(self->joints); j++) {
+    const Joint *joint = JointsGet(self->joints, j);
+    const PetscInt of[2] = {joint->rod, joint->carrier}, at[2] = {HeldAt(self, joint), joint->node};
+    PetscCall(StrandsJoin(strands, of, at));
+    for (PetscInt k = 0; k < j; k++) {
+      const Joint *other = JointsGet(self->joints, k);
+      const PetscInt both[2] = {joint->rod, other->rod}, ends[2] = {at[0], HeldAt(self, other)};
+      if (other->carrier == joint->carrier && other->node == joint->node)
+        PetscCall(StrandsJoin(strands, both, ends));
+    }
+  }
+  PetscFunctionReturn(0);
+}
+
 /* What looks for strands, if any rod can touch itself or another one. */
 static PetscErrorCode MakeStrands(Run *self) {
   PetscBool any = PETSC_FALSE;
@@ -148,12 +170,7 @@ static PetscErrorCode MakeStrands(Run *self) {
     if (self->scene[k]->contact.among) any = PETSC_TRUE;
   for (int i = 0; i < 2 && any; i++)
     PetscCall(StrandsCreateSeveral(self->n, self->scene, Meet, self->rods, &self->strands[i]));
-  for (PetscInt j = 0; j < JointsCount(self->joints) && any; j++) {
-    const Joint *joint = JointsGet(self->joints, j);
-    const PetscInt rod[2] = {joint->rod, joint->carrier},
-                   node[2] = {joint->tip ? self->scene[joint->rod]->mesh.cells : 0, joint->node};
-    for (int i = 0; i < 2; i++) PetscCall(StrandsJoin(self->strands[i], rod, node));
-  }
+  for (int i = 0; i < 2 && any; i++) PetscCall(JoinStrands(self, self->strands[i]));
   RodForget(&self->looked);
   PetscFunctionReturn(0);
 }
@@ -220,11 +237,8 @@ static PetscErrorCode LookAtTime(Run *self, PetscReal t, PetscBool moves) {
   PetscFunctionReturn(0);
 }
 
-/* A TouchingTell: all rods are looked at once at a time. */
-static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool moves,
-                                  StrandsOn *on) {
-  Run *self = (Run *)ctx;
-  const PetscInt first = 2 * StrandsFirst(self->strands[1], k);
+/* ... once at a time. */
+static PetscErrorCode KnowStrands(Run *self, PetscReal t, PetscBool moves) {
   const RodState at = {.t = t, .U = self->leg.U, .U_t = self->leg.U};
   PetscBool known;
 
@@ -232,6 +246,17 @@ static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool 
   PetscCall(RodRecognise(&at, &self->looked, &known));
   if (!known || self->with_rates != moves) PetscCall(LookAtTime(self, t, moves));
   self->with_rates = moves;
+  PetscFunctionReturn(0);
+}
+
+/* A TouchingTell. */
+static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool moves,
+                                  StrandsOn *on) {
+  Run *self = (Run *)ctx;
+  const PetscInt first = 2 * StrandsFirst(self->strands[1], k);
+
+  PetscFunctionBegin;
+  PetscCall(KnowStrands(self, t, moves));
   StrandsSum(self->strands[1], k, &on->sum);
   on->force = StrandsForces(self->strands[1]) + first;
   on->couple = StrandsCouples(self->strands[1]) + first;
@@ -445,7 +470,9 @@ static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
 
 /* Stores the shapes of a state of all; U NULL: as they begin. */
 static PetscErrorCode StoreShape(Run *self, PetscReal t, Vec U) {
+  StrandPlace *place;
   Vec part = NULL;
+  PetscInt n;
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
@@ -454,6 +481,11 @@ static PetscErrorCode StoreShape(Run *self, PetscReal t, Vec U) {
     if (U) PetscCall(RodPartCloseRead(self->leg.rod, k, U, &part));
   }
   self->stored_shape = t;
+  if (!self->strands[1]) PetscFunctionReturn(0);
+  PetscCall(KnowStrands(self, t, (PetscBool)(t > 0)));
+  PetscCall(StrandsPlaces(self->strands[1], &n, &place));
+  PetscCall(SeveralTouch(&self->file, n, place));
+  PetscCall(PetscFree(place));
   PetscFunctionReturn(0);
 }
 
@@ -678,6 +710,26 @@ static PetscErrorCode CheckStarts(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* Refuses rods that hold each other in a ring if what they bear there is not determined. */
+static PetscErrorCode CheckRings(Run *self) {
+  const Joint *closes = NULL;
+  PetscBool determined;
+
+  PetscFunctionBegin;
+  for (PetscInt j = 0; j < JointsCount(self->joints) && !closes; j++)
+    if (JointsGet(self->joints, j)->tip) closes = JointsGet(self->joints, j);
+  if (!closes) PetscFunctionReturn(0);
+  PetscCall(NewtonDetermines(&self->leg.newton, self->leg.U, 1 / RodUnits(self->leg.rod)->time,
+                             &determined));
+  PetscCall(RodsEnter(self->rods, closes->rod));
+  UserCheck(determined, OptionsComm(),
+            "-tip_on %s: rods that are straight do not stretch, and of this ring of them what they "
+            "bear is not determined; bend one (-shape_amplitude), or leave a joint out",
+            RodsName(self->rods, closes->carrier));
+  PetscCall(RodsLeave(self->rods));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Begin(Run *self) {
   const OptionWords *given = &OptionsLine()->taken;
 
@@ -703,10 +755,13 @@ static PetscErrorCode Begin(Run *self) {
     PetscCall(RodsLeave(self->rods));
   }
   PetscCall(CheckStarts(self));
+  if (!self->restart[0]) PetscCall(CheckRings(self));
   PetscCall(RodsRefuseUnread(self->rods));
   PetscCall(OptionsRefuseUnread());
   self->file.rods = self->rods;
+  self->file.joints = self->joints;
   self->file.n = self->n;
+  self->file.touch = (PetscBool)(self->strands[1] != NULL);
   self->file.each = self->output;
   self->file.keep = Keep;
   self->file.ctx = self;
@@ -724,6 +779,19 @@ static PetscErrorCode Begin(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* Rods that have a diameter and do not touch each other all the same. */
+static PetscErrorCode TellApart(const Run *self) {
+  PetscInt thick = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) thick += self->scene[k]->contact.diameter > 0;
+  if (thick > 1 && !RodsTouch(self->rods))
+    PetscCall(PetscPrintf(PETSC_COMM_SELF,
+                          "-contact_diameter: rods pass through each other; with -contact_rods, or "
+                          "a section [pair NAME NAME], they do not\n"));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Heading(Run *self) {
   PetscReal factor;
   const char *unit = OptionShownIn(self->end, UNIT_TIME, &factor);
@@ -732,6 +800,7 @@ static PetscErrorCode Heading(Run *self) {
   PetscCall(GrowPaceBegin(&self->pace));
   if (self->quiet) PetscFunctionReturn(0);
   PetscCall(OptionsTellPlain());
+  PetscCall(TellApart(self));
   PetscCall(PetscPrintf(PETSC_COMM_SELF, "%d rods%s%s\n%10s %10s %10s %7s %11s\n", (int)self->n,
                         unit ? "; times in " : "", unit ? unit : "", "t", "longest", "step",
                         "Newton", "time left"));

@@ -4,6 +4,7 @@
 #include "tasks/critical.h"
 #include "tasks/grow.h"
 #include "straight/twist.h"
+#include "straight/yielding.h"
 #include "tasks/stability.h"
 
 /* SingleShape - the slowest mode as initial shape, if that is asked for: the scene alone cannot
@@ -105,7 +106,11 @@ static PetscErrorCode CheckLearns(Scene scene, PetscBool bent) {
   const char *const about = "-task critical and stability are about a straight rod";
 
   PetscFunctionBegin;
-  if (!law->any) PetscFunctionReturn(0);
+  UserCheck(
+      !bent || scene->growth->yield == 0, scene->comm,
+      "-growth_yield: the modes of a bent rod are known of one that grows whatever presses it; "
+      "take it out");
+  if (!TropismLearns(law)) PetscFunctionReturn(0);
   UserCheck(!bent, scene->comm,
             "-tropism_, -growth_ironing: the modes of a bent rod are known of one whose material "
             "learns nothing; take them out, or what bends it");
@@ -127,14 +132,13 @@ static PetscErrorCode RunTask(Scene scene, const Single *asked, Member *member) 
   PetscBool bent = PETSC_FALSE;
 
   PetscFunctionBegin;
-  UserCheck(scene->growth->yield == 0 || asked->task == TASK_GROW, scene->comm,
-            "-growth_yield: -task critical and stability do not know of growth that feels force; "
-            "take it out");
   if (asked->task == TASK_CRITICAL) PetscCall(BentAsked(scene, &bent));
   if (!bent && (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL))
     PetscCall(CheckStraight(scene));
   if (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL)
     PetscCall(CheckLearns(scene, bent));
+  if (scene->growth->yield > 0 && (asked->task == TASK_STABILITY || asked->task == TASK_CRITICAL))
+    PetscCall(YieldingFollow(scene));
   if (member && asked->task == TASK_GROW)
     PetscCall(GrowMember(scene, asked->output, member));
   else if (member)

@@ -216,7 +216,7 @@ static PetscErrorCode CreateMesh(Stability *self) {
   PetscCall(
       MeshCreate(self->set.vertices - 1, PETSC_FALSE, scene->growth, scene->end_time, &self->mesh));
   self->twisted = StraightIsTwisted(scene);
-  self->learns = scene->tropism.any;
+  self->learns = TropismLearns(&scene->tropism);
   self->ways = StraightWays(scene, way);
   for (PetscInt k = 0; k < self->ways; k++) {
     Solvers *of = &self->of[k];
@@ -690,7 +690,7 @@ static PetscErrorCode Open(Stability *self, const char *output) {
   UserCheck(scene->tip.type == TIP_FREE, scene->comm,
             "-tip_type: -task stability is about a free tip; -task critical knows the others");
   PetscCall(ReadSettings(scene, &self->set));
-  UserCheck(!scene->tropism.any || !self->set.shape[0], scene->comm,
+  UserCheck(!TropismLearns(&scene->tropism) || !self->set.shape[0], scene->comm,
             "-stability_optimal_shape: what grows most is known of a rod whose material learns "
             "nothing; take it out");
   self->comm = self->set.vertices < SHARED_VERTICES ? PETSC_COMM_SELF : scene->comm;

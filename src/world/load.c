@@ -2,6 +2,8 @@
 #include "base/vectors.h"
 
 static const OptionRow rows[] = {
+    ROW_REAL("-friction_strength", "1", 0, 1e9, UNIT_NONE, 0,
+             "of one of several rods: its friction over that of the scales"),
     ROW_REAL("-friction_across", "1", 1e-6, 1e6, UNIT_NONE, 0,
              "a, ratio of friction across the rod to that along it, dry and viscous alike"),
     ROW_TEXT("-friction_field", INPUT_FILE,
@@ -36,6 +38,8 @@ static PetscErrorCode ReadField(Load *load) {
   with LoadDestroy(), also after an error.
 */
 PetscErrorCode LoadSetFromOptions(Load *load) {
+  PetscReal strength;
+
   PetscFunctionBegin;
   PetscCall(FrictionSetFromOptions(&load->friction));
   load->viscous = 1 - load->friction.mu;
@@ -50,6 +54,8 @@ PetscErrorCode LoadSetFromOptions(Load *load) {
   load->duals = load->duals3 = 1;
   load->weighs = PETSC_FALSE;
   load->radius = 0;
+  PetscCall(OptionReal("-friction_strength", &strength, NULL));
+  if (strength != 1) LoadSetFactor(load, strength);
   PetscFunctionReturn(0);
 }
 

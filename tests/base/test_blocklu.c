@@ -58,16 +58,18 @@ static PetscReal Left(KSP ksp, Mat J, Vec X, Vec B, Vec R) {
   return norm;
 }
 
-static void Solve(PetscInt fields, PetscBool held) {
+/* late: so many nodes are left to the end, one of them with no block of its own. */
+static void Solve(PetscInt fields, PetscInt late) {
+  const PetscBool held = (PetscBool)(late > 0);
   KSPConvergedReason reason;
   PetscReal first = 0;
   Vec x, b, r;
-  const PetscInt tip = NODES - 1;
+  const PetscInt nodes[] = {NODES - 1, 0, NODES / 2};
   PetscInt n;
   Mat J;
   KSP ksp;
 
-  CHECK(BlockLUCreate(NODES, fields, held, &tip, &J));
+  CHECK(BlockLUCreate(NODES, fields, late, nodes, &J));
   CHECK(MatCreateVecs(J, &x, &b));
   CHECK(VecDuplicate(b, &r));
   CHECK(VecGetSize(b, &n));
@@ -103,7 +105,7 @@ static void TestSolve(void **state) {
   EXPECT(!BlockLUCan(NODES, 7), "there are none of 7");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(fields); k++) {
     EXPECT(BlockLUCan(NODES, fields[k]), "there are blocks of %d", (int)fields[k]);
-    for (int held = 0; held < 2; held++) Solve(fields[k], (PetscBool)held);
+    for (int late = 0; late < 4; late++) Solve(fields[k], late);
   }
 }
 

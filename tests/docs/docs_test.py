@@ -212,7 +212,7 @@ class Theory(unittest.TestCase):
 USERS = [ROOT / "README.md", ROOT / "options/README.md",
          *sorted(page for page in ROOT.glob("docs/*.md") if page.name not in ("options.md", "datasets.md", "library.md"))]
 # ... and for what is steered or fed by a schedule, senses, yields, is touched; what pictures show; plants that touch; several rods, angles of plants
-USERS_WORDS, SENTENCE = 18000 + 450 + 350 + 290 + 1300 + 450 + 450 + 600 + 200, 20
+USERS_WORDS, SENTENCE = 18000 + 450 + 350 + 290 + 1300 + 450 + 450 + 600 + 300, 20
 
 
 def sentences(text):
@@ -278,6 +278,20 @@ class Users(unittest.TestCase):
         for name in ("-rod_model", "-growth_type", "-shape_type"):
             rows = re.search(rf"(?m)^\| {name} \|.*\n\|[-|]+\n((?:\|.*\n)+)", guide)[1]
             self.assertEqual(set(re.findall(r"(?m)^\| (\w+) \|", rows)), choices()[name], name)
+
+    def test_defaults(self):
+        """What pages say is a default is the one that docs/options.md has."""
+        true = dict(re.findall(r"(?m)^\| (-\w+) \| .*? \| (\S+) \|", (ROOT / "docs/options.md").read_text()))
+        said = []
+        for row in re.findall(r"(?m)^\| option \| .*default \|\n\|[-|]+\n((?:\|.*\n)+)", (ROOT / "README.md").read_text())[0].splitlines():
+            names, _, values = (cell.split(", ") for cell in row.strip("| ").split(" | "))
+            said += [("README.md", name, value) for name, value in zip(names, values) if value not in ("none", "off")]
+        for page in USERS:
+            for paragraph in re.split(r"\n\n", page.read_text()):
+                for found in re.finditer(r"the default of (\d\S*\d|\d)|(\d\S*) by default", paragraph):
+                    said.append((page.name, re.findall(r"`(-\w+)[^`]*`", paragraph[:found.start()])[-1], found[1] or found[2]))
+        self.assertGreater(len(said), 13)
+        self.assertEqual([one for one in said if true[one[1]] != one[2]], [])
 
     def test_messages(self):
         """What pages quote as said by tendril is said by it."""

@@ -86,6 +86,8 @@ CASES = [
     ("-friction_beta 1e-3x", "-friction_beta"),
     ("-clamp_angle inf", "-clamp_angle"),
     ("-clamp_type loose", "-clamp_type"),
+    ("-rod_stiffness 2", "-rod_stiffness: is of one of several rods"),
+    ("-clamp_on a", "-clamp_on: is of one of several rods"),
     ("-clamp_type free -growth_type feed", "-clamp_type free: rods that are fed in"),
     ("-clamp_type free -rod_model mixed", "-clamp_type: the mixed model's rod"),
     ("-clamp_type free -rod_model space", "-friction_radius"),

@@ -46,6 +46,33 @@ class Several(unittest.TestCase):
         self.assertAlmostEqual(self.r.series.energy[-1], sum(one.series.energy[-1] for one in self.r.rods.values()), 14)
         self.assertEqual(self.r.series.length[-1], max(one.series.length[-1] for one in self.r.rods.values()))
 
+    def test_pairs(self):
+        with self.assertRaisesRegex(tendril.ResultsError, "its rods do not touch each other"):
+            _ = self.r.pairs
+        r = tendril.run(SCENE, contact_diameter=0.05, ts_max_time=0.6, output_shapes=2, rods={"low": {"clamp_direction": (1, 0, 0.05)},
+                        "high": {"clamp_place": (0.7, 0, 0.5), "clamp_direction": (0, 0, -1)}}, pairs={("low", "high"): {"contact_friction": 0.2}})
+        last = r.pairs[-1]
+        self.assertEqual((len(r.pairs), len(r.pairs[0].rods), last.rods), (3, 0, [("low", "high")]))
+        self.assertEqual((last.s.shape, last.force.shape, last.gap.shape), ((1, 2), (1, 3), (1,)))
+        self.assertLess(last.force[0, 2], 0)
+        self.assertAlmostEqual(np.linalg.norm(last.force) / r.series.contact_force[-1], 1, 1)
+
+    def test_joints(self):
+        """Each half of a ring that is pulled at its weld bears half; the moment there is that of the curvature (shooting)."""
+        r = tendril.run({"growth_type": "none", "growth_initial_length": np.pi, "friction_mu": 0, "friction_layers": "0:1e-2", "rod_cells": 24,
+                         "shape_type": "straight", "ts_max_time": 200},
+                        rods={"a": {"rod_curvature": 1, "tip_force_vector": (0, 1, 0)},
+                              "b": {"clamp_direction": (-1, 0), "rod_curvature": -1, "tip_on": "a"}})
+        joint = r.joints["b.tip"]
+        self.assertEqual((joint["on"], joint["end"], list(r.joints)), ("a", "tip", ["b.tip"]))
+        self.assertLess(np.abs(joint.force[-1] - (0, -0.5, 0)).max(), 1e-9)
+        self.assertLess(np.abs(joint.moment[-1] - (0, 0, 0.30355449275)).max(), 1e-6)
+        tip = r["a"].shapes
+        self.assertEqual(tip.s[-1], tip.s[-2])
+        self.assertLess(np.abs(np.diff(tip.moment[-1, -2:], axis=0) - joint.moment[-1] * (0, 0, -1)).max(), 1e-9)
+        with self.assertRaisesRegex(tendril.errors.ResultsError, "do not hold each other"):
+            self.r.joints
+
     def test_one_is_to_be_taken(self):
         with self.assertRaisesRegex(tendril.ResultsError, r"holds 3 rods; take one, as \['side1'\]"):
             self.r.at(0.1)

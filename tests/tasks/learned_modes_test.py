@@ -87,13 +87,25 @@ def a_stiff_root_swings_for_ever_from_a_memory_on():
 
 
 @check
+def growth_that_feels_force_buckles_later_or_stalls():
+    """Viscous by series at 20 digits. Dry, where thrust is min(L - p, 1), by Airy's functions for beta to 0, from which beta is off by sqrt(beta), a
+    boundary layer. Fed, it ends at the length of its thrust."""
+    for options, length, allowed in (("-friction_mu 0 -growth_yield 1", 2.7466089760, 1e-8), ("-growth_yield 1.5 -friction_beta 1e-12", 1.9908584435, 1e-6)):
+        said = tendril(f"-task critical -rod_cells 100 -ts_max_time 20 {options}")
+        got = float(re.search(r"critical length L = (\S+)", said)[1])
+        expect(abs(got / length - 1) < allowed, f"{options}: {got!r}, not {length}")
+    said = tendril("-task critical -growth_type feed -growth_yield 0.7 -friction_beta 0 -ts_max_time 20 -rod_cells 100", 1)
+    expect("of length 0.7" in said, said)
+
+
+@check
 def what_bends_the_straight_rod_is_refused():
     for task in ("critical", "stability"):
         for options, word in (("-tropism_gravity 1 -tropism_direction 0,1", "-tropism_direction"), ("-tropism_nutation 1", "-tropism_nutation"),
                               ("-tropism_light 1 -tropism_source 5,1", "-tropism_source"),
                               ("-tropism_light 1 -tropism_source 0.7,0", "-tropism_source"),
                               ("-growth_ironing 1 -tip_type clamped -tip_torque 1", "twist"),
-                              ("-growth_yield 2", "-growth_yield")):
+                              ("-growth_yield 1 -tip_force 2", "-growth_yield")):
             expect(word in tendril(f"-task {task} {options}", 1), f"{task} {options}")
     expect("creep" in tendril("-task critical -growth_ironing 2", 1), "ironing")
 

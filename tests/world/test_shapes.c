@@ -384,6 +384,39 @@ static PetscReal SlopesAt(const Contact *contact, const Rubbed *at, PetscReal x[
   return PetscSqrtReal(Dot(touch->normal, touch->normal));
 }
 
+/* A look that is bounded tells what one without a bound does, if that is nearer, wherever one has
+   looked before. */
+static void TestBounds(void **state) {
+  Tube tube = HelicalTube(60, PETSC_TRUE);
+  Body body = Grid(33, ROUND, PETSC_TRUE);
+  PetscInt near[2] = {0}, looks = 0;
+
+  for (uint64_t k = 0; k < 600; k++) {
+    const PetscReal within = 0.3 * (1 + Scatter(9, k));
+    SurfacePoint free[2], bound[2];
+    PetscReal x[FOUR], y[3];
+    PetscBool known[2];
+    Helix(2 + 2 * Scatter(10, k / 5), x); /* some looks at about the same place, then elsewhere */
+    for (uint64_t d = 0; d < 3; d++) {
+      x[d] += 0.4 * Scatter(11 + d, k);
+      y[d] = middle[d] + 0.8 * Scatter(11 + d, k);
+    }
+    known[0] = TubeAt(tube, x, any, &free[0]);
+    known[1] = BodyAt(body, y, any, &free[1]);
+    for (int w = 0; w < 2; w++, looks++) {
+      const PetscBool found =
+          w ? BodyAt(body, y, within, &bound[w]) : TubeAt(tube, x, within, &bound[w]);
+      assert_int_equal(found, known[w] && free[w].distance < within);
+      if (found) assert_memory_equal(&bound[w], &free[w], sizeof(free[w]));
+      near[w] += found;
+    }
+  }
+  EXPECT(near[0] > 100 && near[1] > 100 && near[0] + near[1] < looks - 200, "%d, %d near of %d",
+         (int)near[0], (int)near[1], (int)looks);
+  CHECK(BodyDestroy(&body));
+  CHECK(TubeDestroy(&tube));
+}
+
 /* What is pressed straight into a body does not rub on it; what slides along is held back by mu
    times what presses, along the surface; and the derivatives are those of the force. */
 static void TestBodyFriction(void **state) {
@@ -427,5 +460,6 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestTubeDistance), cmocka_unit_test(TestTubeDerivatives),
     cmocka_unit_test(TestTubeSmooth),   cmocka_unit_test(TestTubeFewPoints),
     cmocka_unit_test(TestBodyOrder),    cmocka_unit_test(TestBodyDerivatives),
-    cmocka_unit_test(TestBodyPlane),    cmocka_unit_test(TestBodyFriction)};
+    cmocka_unit_test(TestBodyPlane),    cmocka_unit_test(TestBodyFriction),
+    cmocka_unit_test(TestBounds)};
 MAIN(tests)

@@ -54,6 +54,8 @@ function columns(chart, runs, times) {
   return [lines, values, bands];
 }
 
+const MODELS = ["linear", "of the plane", "linear, then of the plane", "in space"];
+
 // The value of a series that is the same throughout all runs; else undefined.
 function constant(name) {
   const all = data.runs.map((run) => run.series[name]).filter(Boolean), v = all[0][0];
@@ -245,8 +247,8 @@ function makeAbout() {
   const note = document.createElement("p");
   note.className = "hint";
   const unitOf = (name) => (data.charts.find((chart) => chart.series.includes(name)) || { unit: "1" }).unit;
-  note.textContent = same.length ? `The same throughout: ${same.map((name) => `${data.names[name]} ${
-    number(constant(name) * factor(data.runs[0], unitOf(name)))} ${named(unitOf(name))}`.trim()).join(", ")}` : "";
+  const told = (name) => (name === "model" ? MODELS[constant(name)] : `${number(constant(name) * factor(data.runs[0], unitOf(name)))} ${named(unitOf(name))}`);
+  note.textContent = same.length ? `The same throughout: ${same.map((name) => `${data.names[name]} ${told(name)}`.trim()).join(", ")}` : "";
   const wide = matchMedia("(min-width: 1250px)").matches, more = document.createElement("div");
   more.className = "more";
   more.append(note, ...data.runs.map((run, i) => {

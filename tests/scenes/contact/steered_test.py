@@ -201,7 +201,7 @@ def what_cannot_be_steered_is_refused_in_one_line():
             (fed + f"-growth_path {rows('gone', t=[0, 1], length=[1, 0])}", "it must stay longer than 0"),
             (fed + f"-growth_path {rows('past', t=[0, 1, 2], speed=[0, -1, 0])}", "it must stay longer than 0"),
             (fed + f"-growth_path {rows('rest', t=[0, 1], length=[1, 1])}", "nothing moves"),
-            (fed + f"-growth_path {rows('odd', t=[0, 1], spin=[1, 1])}", "column spin: how a rod is fed is told by t and speed"),
+            (fed + f"-growth_path {rows('odd', t=[0, 1], spin=[1, 1])}", "column spin: how a rod is fed is given by t and speed"),
             (fed + f"-growth_path {rows('late', t=[1, 0], length=[1, 2])}", "t must increase"),
             (steers("a", s=s, t=[0, 1], curvature=one), "/curvature must have 2 dimension"),
             (steers("b", s=s, t=[0, 1], curvature=np.ones((3, 4))), "must be [2, 4]"),

@@ -156,8 +156,8 @@ def ranks_find_the_same():
 def what_does_not_go_with_it_is_refused():
     for options, word in (("-growth_type gaussian", "-growth_yield"), ("-growth_type none", "-growth_yield"),
                           ("-rod_model space", "-growth_yield"), ("-rod_model linear", "-growth_yield"),
-                          ("-rod_model mixed", "-growth_yield"), ("-task critical", "-growth_yield"),
-                          ("-task stability", "-growth_yield"), ("-rod_order 2", "-rod_order 2"),
+                          ("-rod_model mixed", "-growth_yield"),
+                          ("-rod_order 2", "-rod_order 2"),
                           ("-tropism_nutation 1 -tropism_nutation_2 1", "-growth_yield"),
                           ("-growth_type apical -growth_profile even", "-growth_profile"),
                           ("-rod_curvature_random 0.1", "-rod_curvature_random"),

@@ -750,7 +750,7 @@ def what_means_nothing_in_space_is_refused_in_one_line():
             f"-tip_type clamped -tip_path {back}": "t must increase",
             f"-tip_type slides -tip_path {far}": "free along x1",
             f"-tip_type slides -clamp_angle 90deg -tip_path {aside}": "free along x2, the clamp's axis",
-            f"-clamp_path {odd}": "how a clamp turns is told by t and spin, or t and turn",
+            f"-clamp_path {odd}": "how a clamp turns is given by t and spin, or t and turn",
             f"-clamp_path {lead} -clamp_spin 1": "give one of them",
             "-tip_type slides -tip_force 1 -tip_law follower": "what presses on a tip that slides is dead"}.items():
         out = tendril(options + " -ts_max_time 0.01", 1)
