@@ -4,12 +4,14 @@ the run tells of its errors.
 
     growth_exact.py EXE [--only WORD] [--rtol 1e-7]
 
-Stiff rods (B = 1e9) have their natural shape; of straight ones the length is asked for."""
+Stiff rods (B = 1e9) have their natural shape; of straight ones the length is asked for, and when they buckle or swing."""
 
 import argparse
+import re
 import subprocess
 import sys
 import tempfile
+from cmath import exp as cexp
 from math import atan, cos, exp, hypot, pi, sin, sqrt, tan
 from pathlib import Path
 
@@ -81,6 +83,60 @@ def answers():
         yield f"9 {name}", f"{yield_} {law} -ts_max_time {end}", length, exact
 
 
+def turned(q):
+    """Where a stiff tip is across, over a small angle of its clamp: int exp(-q s) - 1 ds."""
+    return (1 - cexp(-q)) / q - 1
+
+
+def across(run):
+    return complex(last(run, "tip_x2"), last(run, "tip_x3")) / SMALL
+
+
+def later():
+    """As answers(): a clinostat, ironing, a snake."""
+    bent = f"-growth_type none -friction_mu 0 -tropism_rate 1 -tropism_direction 1,{-SMALL},0"
+    for omega, b, G in ((2, 1, .5), (5, 3, 1)):
+        yield (f"7 clinostat, {omega}", f"STIFF {bent} -tropism_gravity {b} -tropism_proprioception {G} -clamp_spin {omega} -ts_max_time 40",
+               lambda run, q=b / (G - 1j * omega): abs(across(run) - turned(q)), 0.)
+    for law, factor in (("none -tropism_rate 1", 3), ("uniform", 16)):
+        yield (f"11 cantilever, {law.split()[0]}", f"STIFF -growth_type {law} -friction_mu 0 -growth_ironing 2 -tip_force_vector 0,3e5,0 "
+               "-ts_max_time 1", lambda run: last(run, "tip_x2") * 1e4, factor)
+
+
+def straight():
+    """(what, options of -task critical, length): section 5, and 10."""
+    law = "-tropism_proprioception {} -tropism_gravity {} -tropism_direction 1,0"
+    viscous = "-friction_mu 0 "
+    yield "5 viscous, G 1", viscous + "-tropism_proprioception 1", 2.1758716549
+    for b, tip, length in ((1, "", 2.1640112874), (10, "", 1.8095000078), (1, " -tropism_sensed tip", 2.3722649159),
+                           (10, " -tropism_sensed tip", 2.9118257437)):
+        yield f"5 viscous, b {b}{tip}", viscous + law.format(1, b) + tip, length
+    yield "5 viscous, memory", viscous + law.format(.5, 3) + " -tropism_sensed tip -tropism_memory 1", 1.7497779049
+    yield "5 dry", law.format(1, 1), 1.984753359
+    yield "5 dry, tip", law.format(1, 1) + " -tropism_sensed tip", 2.148058511
+    yield "5 viscous, ironing 2", viscous + "-tropism_proprioception 1 -growth_ironing 2", 1.7237350449
+    yield "5 dry, ironing 4", "-tropism_proprioception 1 -growth_ironing 4", 1.251815804
+    yield "5 weight", viscous + "-rod_weight -1,0 " + law.format(1, 2), 1.6276499439
+    yield "5 weight, tip", viscous + "-rod_weight -1,0 -tropism_sensed tip " + law.format(1, 2), 1.8026047109
+    for limit, length in ((.5, 3.2384319552), (1, 2.7466089760), (2, 2.4688957860)):
+        yield f"10 viscous, {limit}", f"{viscous}-growth_yield {limit} -ts_max_time 20", length
+    for limit, length in ((.5, 2.4709206437), (1, 2.0624712812), (1.5, 1.9908584435), (3, 1.9863527074)):
+        yield f"10 dry, {limit}", f"-friction_beta 1e-10 -growth_yield {limit} -ts_max_time 20", length
+
+
+def lengths(asked):
+    for name, options, exact in straight():
+        if asked.only not in name:
+            continue
+        done = subprocess.run([asked.exe, "-task", "critical", *options.split()], capture_output=True, text=True, check=False)
+        found = re.search(r"length L = (\S+)", done.stdout)
+        if not found:
+            print(f"| {name} | {done.stderr.strip()[-90:]} | {exact:.10g} | | |", flush=True)
+            continue
+        told = re.search(r"error below +(\S+)", done.stdout)[1]
+        print(f"| {name} | {found[1]} | {exact:.11g} | {abs(float(found[1]) - exact):.1e} | {told} |", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("exe")
@@ -93,7 +149,7 @@ def main():
         with h5py.File(stiff, "w") as f:
             f["distance"], f["factor"] = np.linspace(0, 10, 5), np.full(5, STIFF)
         print("| answer | found | exact | off | told |\n|---|---|---|---|---|")
-        for name, options, found, exact in answers():
+        for name, options, found, exact in (*answers(), *later()):
             if asked.only not in name:
                 continue
             words = options.replace("STIFF", f"-rod_stiffness_file {stiff} -shape_type straight -growth_initial_length 1")
@@ -105,6 +161,7 @@ def main():
             with h5py.File(file) as run:
                 value, told = found(run), max(last(run, "error_tip"), last(run, "error_energy"))
             print(f"| {name} | {value:.10g} | {exact:.10g} | {abs(value - exact):.1e} | {told:.0e} |", flush=True)
+    lengths(asked)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from matplotlib.colors import AsinhNorm, LinearSegmentedColormap
 
 from .errors import ResultsError
 from .naming import unknown
-from .perspective import Rods, Strand, box_of, draw_surfaces, furnish, look, sight
+from .perspective import Rods, Strand, box_of, draw_surfaces, fit_seen, furnish, look, seen_aspect, sight
 from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, fields_of, up_of
 from .style import InStyle
@@ -49,6 +49,9 @@ class FilmInSpace:
         self.moving, self.drawn = [one for one in surfaces if one.motion], []
         self.rods = self.ax.add_collection(Rods(zorder=3), autolim=False)
         self.ax.plot([0], [0], [0], "ks", ms=4, zorder=4)
+        if not turn:  # what is seen fills the film; of a view that turns it changes
+            self.figure.set_size_inches(6, 0.9 + 5.0 * max(seen_aspect(self.ax), 0.45))
+            fit_seen(self.ax, (0.03, 0.09, 0.8, 0.83))
         self.bar(label if not name else f"{label} ({name})", most, signed)
         self.drag = max(np.percentile(size_of(friction(r, s, ARROWS)[1]), 95) for s in shapes) or 1
         self.press = max((size_of(pressed(r, s, ARROWS)[1]).max() for s in shapes), default=0) if "contact" in r.shapes else 0

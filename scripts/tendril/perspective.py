@@ -3,12 +3,15 @@ of which what is nearer hides what is behind it."""
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
 from matplotlib.ticker import FixedLocator, MaxNLocator
+from matplotlib.transforms import Bbox
 from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
@@ -21,6 +24,7 @@ LIGHT, ROUND = 0.3, 4.0  # of a rod's thickness: the light on it; points: the le
 LEAST, HALO = 1.1, 0.7  # points: the least thickness; the white on both sides of what passes over something
 ROOM = 0.08  # of the longest side of the box of axes: so far beyond it are surfaces drawn
 SLIM = 0.22  # of the longest side of the box of axes: the shortest
+ASPECTS = 0.4, 1.3  # height over width of what is seen: the least and the most that is made room for
 
 
 @dataclass
@@ -189,6 +193,46 @@ def furnish(axes, low, high, up, view, label):
     axes.set_xlabel(label("$x_1$"))
     axes.set_ylabel(label("$x_2$"))
     axes.set_zlabel(label("$x_3$"))
+
+
+def head(ax):
+    """The axes that carry the letter and the legend of others: themselves, but of three dimensions, whose frame is moved so that what
+    they show fills their place, some without anything of their own in that place."""
+    return getattr(ax, "head", ax)
+
+
+def seen_box(ax):
+    """What axes of three dimensions show, in pixels: their box, what sticks out of it, numbers and names."""
+    renderer = RendererAgg(*ax.figure.bbox.size, ax.figure.dpi)
+    ax.apply_aspect()
+    ax.M = ax.get_proj()
+    boxes = [axis.get_tightbbox(renderer) for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
+    low, high = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()]).T
+    room = ROOM * (high - low).max() if any(isinstance(one, Poly3DCollection) for one in ax.collections) else 0.0
+    corners = np.array(list(itertools.product(*np.transpose([low - room, high + room]))))
+    flat = ax.transData.transform(np.column_stack(proj3d.proj_transform(*corners.T, ax.M)[:2]))
+    return Bbox.union([*filter(None, boxes), Bbox([flat.min(axis=0), flat.max(axis=0)])])
+
+
+def seen_aspect(ax):
+    """Height over width of what axes of three dimensions show."""
+    box = seen_box(ax)
+    return float(np.clip(box.height / box.width, *ASPECTS))
+
+
+def fit_seen(ax, cell):
+    """Moves and widens axes of three dimensions until what they show fills a cell of the figure, (left, bottom, width, height) in
+    its parts; letters keep their size, so it is done a few times."""
+    figure = ax.figure
+    ax.set_anchor("C")
+    head(ax).set_position(cell)
+    left, bottom, wide, high = np.array(cell) * np.tile(figure.bbox.size, 2)
+    side, middle = min(wide, high), np.array([left + wide / 2, bottom + high / 2])
+    for _ in range(4):
+        ax.set_position(np.array([*(middle - side / 2), side, side]) / np.tile(figure.bbox.size, 2))
+        box = seen_box(ax)
+        side *= min(wide / box.width, high / box.height)
+        middle += np.array([left + wide / 2, bottom + high / 2]) - [(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]
 
 
 def draw_surfaces(axes, surfaces, low, high, unit=1.0):

@@ -33,9 +33,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
 from matplotlib.ticker import LogLocator, NullLocator
-from matplotlib.transforms import Bbox
-from mpl_toolkits.mplot3d import proj3d
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from . import plot_stability
 from .bends import bends_of
@@ -43,7 +40,7 @@ from .command import Parser
 from .errors import ResultsError, arguments
 from .loading import load, runs_of
 from .naming import did_you_mean
-from .perspective import ROOM, VIEW, Rods, Strand, box_of, draw_surfaces, furnish, sight
+from .perspective import VIEW, Rods, Strand, box_of, draw_surfaces, fit_seen, furnish, head, seen_aspect, sight
 from .results import Results
 from .senses import strain_rate
 from .several import Rod
@@ -634,48 +631,7 @@ def limit_row(view, row, cells):
 
 
 FLAT, HIGH = 0.66, 0.8  # height over width of a panel of curves; the most of it, beside one that is high
-LEAST, MOST = 0.4, 1.3  # of one in perspective
 SHARES = 0.42, 0.58  # of a row's width, that one of two panels may have
-
-
-def head(ax):
-    """The axes that carry the letter and the legend of others: themselves, but of three dimensions, whose frame is moved so that what
-    they show fills their place, some without anything of their own in that place."""
-    return getattr(ax, "head", ax)
-
-
-def seen_box(ax):
-    """What axes of three dimensions show, in pixels: their box, what sticks out of it, numbers and names."""
-    renderer = RendererAgg(*ax.figure.bbox.size, ax.figure.dpi)
-    ax.apply_aspect()
-    ax.M = ax.get_proj()
-    boxes = [axis.get_tightbbox(renderer) for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
-    low, high = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()]).T
-    room = ROOM * (high - low).max() if any(isinstance(one, Poly3DCollection) for one in ax.collections) else 0.0
-    corners = np.array(list(itertools.product(*np.transpose([low - room, high + room]))))
-    flat = ax.transData.transform(np.column_stack(proj3d.proj_transform(*corners.T, ax.M)[:2]))
-    return Bbox.union([*filter(None, boxes), Bbox([flat.min(axis=0), flat.max(axis=0)])])
-
-
-def seen_aspect(ax):
-    """Height over width of what axes of three dimensions show."""
-    box = seen_box(ax)
-    return float(np.clip(box.height / box.width, LEAST, MOST))
-
-
-def fit_seen(ax, cell):
-    """Moves and widens axes of three dimensions until what they show fills a cell of the figure, (left, bottom, width, height) in
-    its parts; letters keep their size, so it is done a few times."""
-    figure = ax.figure
-    ax.set_anchor("C")
-    head(ax).set_position(cell)
-    left, bottom, wide, high = np.array(cell) * np.tile(figure.bbox.size, 2)
-    side, middle = min(wide, high), np.array([left + wide / 2, bottom + high / 2])
-    for _ in range(4):
-        ax.set_position(np.array([*(middle - side / 2), side, side]) / np.tile(figure.bbox.size, 2))
-        box = seen_box(ax)
-        side *= min(wide / box.width, high / box.height)
-        middle += np.array([left + wide / 2, bottom + high / 2]) - [(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2]
 
 
 def split(aspects, width):

@@ -120,6 +120,19 @@ def an_even_zone_turns_its_tip_as_two_numbers_do():
 
 
 @check
+def a_rod_that_is_spun_stands_bent_and_a_cantilever_gives_way_by_what_is_ironed():
+    """theta = theta0 exp(-b s/(G - i om/r)) on a clinostat, at rest in the laboratory; f L^3 (1 + I r t)/3B under a force across."""
+    small, q = 1e-4, 3 / (1 - 5j)
+    exact = (1 - np.exp(-q)) / q - 1
+    r = Run(f"{stiff()}{STRAIGHT}-growth_type none -friction_mu 0 -tropism_rate 1 -tropism_gravity 3 -tropism_proprioception 1 "
+            f"-tropism_direction 1,{-small},0 -clamp_spin 5 -ts_max_time 12 -ts_rtol 1e-6 -rod_cells 30")
+    near("spun", abs(complex(r.tip_x2[-1], r.tip_x3[-1]) / small - exact), 0, 5e-5)
+    r = Run(f"{stiff()}{STRAIGHT}-growth_type none -friction_mu 0 -tropism_rate 1 -growth_ironing 2 -tip_force_vector 0,3e4,0 -ts_max_time 1 "
+            "-ts_rtol 1e-6 -rod_cells 30")
+    near("cantilever", r.tip_x2[-1] / 3e-4, 1, 2e-6)
+
+
+@check
 def a_rod_at_rest_ends_in_the_direction_by_its_balance():
     """Sine, steady: tan(theta/2) falls as exp(-b s/G)."""
     r = Run(f"{stiff()}{STRAIGHT}-growth_type none -ts_max_time 40 -tropism_rate 1 -tropism_gravity 2 -tropism_proprioception 1 "
