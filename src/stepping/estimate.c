@@ -564,6 +564,12 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscFunctionReturn(0);
 }
 
+/* EstimateGives - what others that press the rod put its tip off by, as their contact gives: errors
+   of it alone do not know of that. */
+void EstimateGives(Estimate self, PetscReal gives) {
+  if (self) self->gives = gives;
+}
+
 /* EstimateTold - the largest errors so far, of each part in each of what is seen; of a run that has
    not got far, those of its start. Collective. */
 PetscErrorCode EstimateTold(Estimate self, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]) {

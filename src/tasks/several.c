@@ -397,6 +397,14 @@ static PetscErrorCode ReadEach(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* The tolerance of all is the finest of theirs, and each has its own: what contact puts one off by
+   says nothing of one that is free. */
+static void EaseEach(Run *self, PetscReal finest) {
+  self->leg.ease.times = finest;
+  for (PetscInt k = 0; k < self->n; k++)
+    self->leg.of[k].eased = self->each[k].now->ease.times / finest;
+}
+
 /* One rod goes on. */
 static PetscErrorCode GoOnEach(Run *self, PetscInt k, Vec all[]) {
   const RestartState *state = &self->own[k];
@@ -433,10 +441,10 @@ static PetscErrorCode GoOn(Run *self) {
 
   PetscFunctionBegin;
   PetscCall(RestartTake(self->restart, &self->from, &self->leg));
-  self->leg.ease.times = self->from.ease;
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDuplicate(self->leg.U, &errors[i]));
   PetscCall(RestartReadErrors(self->restart, &self->from, PETSC_COMM_SELF, errors));
   for (PetscInt k = 0; k < self->n; k++) PetscCall(GoOnEach(self, k, errors));
+  EaseEach(self, self->from.ease);
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDestroy(&errors[i]));
   self->t = self->start = self->stored_shape = self->from.t;
   self->snaps = (PetscInt)self->from.kept.snaps;
@@ -454,17 +462,23 @@ static PetscErrorCode GoOn(Run *self) {
 /* Looks at all rods, at a time; begins: as they begin. */
 static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
   PetscReal times = PETSC_MAX_REAL;
+  StrandSum on;
 
   PetscFunctionBegin;
   self->t = t;
+  if (self->strands[1] && !begins) PetscCall(KnowStrands(self, t, PETSC_TRUE));
   for (PetscInt k = 0; k < self->n; k++) {
     Grow *grow = &self->each[k];
     Leg *leg = grow->now;
     PetscCall(LegPartFollow(leg));
+    if (self->strands[1] && !begins) {
+      StrandsSum(self->strands[1], k, &on);
+      EstimateGives(grow->estimate, on.gives);
+    }
     PetscCall(GrowObserve(grow, t, begins ? NULL : leg->U, begins ? NULL : leg->newton.latest.U_t));
     times = PetscMin(times, leg->ease.times);
   }
-  self->leg.ease.times = times;
+  EaseEach(self, times);
   PetscFunctionReturn(0);
 }
 
