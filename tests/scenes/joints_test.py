@@ -48,6 +48,12 @@ class Several:
     def tip(self, rod):
         return self.x[rod][-1, -1]
 
+    def expect_told(self, rod, off):
+        """What is told of a tip that is so far off is more, and not a hundred times."""
+        told = self.series[rod]["error_tip"][-1] * np.linalg.norm(self.tip(rod) - self.x[rod][0, 0])
+        print(f"  told {told:.1e}, {told / off:.1f} times what it is off by")
+        expect(off < told < 100 * off, f"{rod}: off by {off}, told {told}")
+
 
 def refusal(text, *words):
     path = Path(scene.SCRATCH) / "refused.opts"
@@ -73,6 +79,8 @@ def a_y_is_where_shooting_has_it():
             defect = run.series[rod]["energy_defect"][-1]
             print(f"{cells} cells, {rod}: off by {off:.1e}, energy {defect:.1e}")
             expect(off < bound, f"{rod}: {off}")
+            if cells == 16:  # (with 32 what is told is what steps leave at least)
+                run.expect_told(rod, np.linalg.norm(run.tip(rod) - (*place, 0)))
             expect(defect < 2e-5, f"{rod}: energy {defect}")
 
 
@@ -89,6 +97,10 @@ def a_rod_that_is_cut_and_welded_is_the_rod():
     off = np.abs(x - whole.x["all"])[1:].max()  # (at t = 0 the shape itself is, to 1e-9)
     print(f"off by {off:.1e}")
     expect(off < 1e-12, off)
+    for error in ("error_tip", "error_energy"):
+        told = [run.series[rod][error][-1] for run, rod in ((whole, "all"), (parts, "end"))]
+        print(f"{error}: {told[0]:.1e} of the whole, {told[1]:.1e} of its end")
+        expect(0.2 < told[1] / told[0] < 5, f"{error}: {told}")
 
 
 @check
@@ -132,6 +144,8 @@ def branches_of_their_own_stiffness_are_where_shooting_has_them():
         off = np.abs(run.tip(rod) - place).max()
         print(f"{rod}: off by {off:.1e}")
         expect(off < 3e-6, f"{rod}: {off}")
+        if np.abs(place).sum() > 1:  # (the parent that is stiff is where it is, to 1e-8)
+            run.expect_told(rod, np.linalg.norm(run.tip(rod) - place))
 
 
 RING = {"a": {"rod_curvature": 1, "tip_force_vector": "0,1,0"}, "b": {"clamp_direction": "-1,0", "rod_curvature": -1, "tip_on": "a"}}
@@ -150,6 +164,7 @@ def rings_and_frames_are_where_they_are_known_to_be():
             rods = RING | {"a": {"rod_curvature": 1, "tip_force_vector": f"0,{force},0"}}
             run = Several(rods, growth_initial_length=np.pi, ts_max_time=300, rod_cells=cells)
             off.append(abs(run.tip("a")[1] - height))
+            run.expect_told("a", off[-1])
             expect(np.abs(run.tip("a") - run.tip("b")).max() < 1e-7, "the halves part")
         print(f"ring, {force}: off by {off[0]:.1e}, {off[1]:.1e}")
         expect(off[1] < 1e-6 and off[1] < off[0] / 10, f"{force}: {off}")
