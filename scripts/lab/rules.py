@@ -2,10 +2,11 @@
 """Which tests fail where a constant of the registers (rules.def) is far from its value? In a copy of the source that reads another
 value from the environment when it starts, so that one build serves all.
 
-    rules.py SCRATCH [--only REGEX] [--register REGEX] [--tests REGEX] [--times 100] [--through "nice -n 15"] [--again]
+    rules.py SCRATCH [--only REGEX] [--register REGEX] [--tests REGEX] [--times 100] [--through "nice -n 15"] [--again] [--built]
 
 Each constant that has no test is made so many times as large, then as small, until a test fails: SCRATCH/found.csv has it, and what
-fell through. --tests: of these tests; --again: also constants that have a test, or are in found.csv."""
+fell through. --tests: of these tests; --again: also constants that have a test, or are in found.csv; --built: with the copy that an
+earlier call has built."""
 
 import argparse
 import csv
@@ -105,8 +106,9 @@ def main():
     parser.add_argument("--times", type=float, default=100)
     parser.add_argument("--through", default="", type=shlex.split)
     parser.add_argument("--again", action="store_true")
+    parser.add_argument("--built", action="store_true")
     a = parser.parse_args()
-    build, kept = prepare(a.scratch, a.through), a.scratch / "found.csv"
+    build, kept = a.scratch / "build" if a.built else prepare(a.scratch, a.through), a.scratch / "found.csv"
     known = {row[0] for row in csv.reader(kept.open())} if kept.exists() else set()
     tests = [test for test in tests_of(str(build), a.tests) if "mpiexec" not in str(test[1][0])]
     sound = [test for test in tests if not fails(test, "none=0", a.through)]

@@ -39,6 +39,7 @@ struct _Elimination {
   PetscInt nodes;              /* owned */
   WideLine wide;               /* of nodes of thirteen unknowns; the rest is then not in use */
   WideLine whole;              /* of all ranks' nodes, on the first of several */
+  Halves other;                /* of nodes of other sizes, on one rank; likewise */
   Line own, joint;             /* node r of the joint is the last of rank r's cells */
   Span span;                   /* of own, up to where it is */
   Span *spans;                 /* of all ranks */
@@ -51,8 +52,7 @@ struct _Elimination {
 /* EliminationCan - can a line be eliminated whose nodes have so many equations of the cell before
    them, and so many of the one behind, on so many ranks? */
 PetscBool EliminationCan(const PetscInt halves[2], PetscInt ranks) {
-  return (PetscBool)((halves[0] == HALF && halves[1] == HALF) ||
-                     (halves[0] == WIDE_TOP && halves[1] == WIDE_OWN && ranks == 1));
+  return (PetscBool)((halves[0] == HALF && halves[1] == HALF) || (HalvesCan(halves) && ranks == 1));
 }
 
 /* EliminationCounts - can the index be told, if not the line be solved? */
@@ -90,6 +90,10 @@ PetscErrorCode EliminationCreate(MPI_Comm comm, PetscInt nodes, const PetscInt h
   PetscCallMPI(MPI_Comm_rank(comm, &self->rank));
   if (halves[0] == WIDE_TOP) {
     PetscCall(CreateWide(self));
+    PetscFunctionReturn(0);
+  }
+  if (halves[0] != HALF) {
+    PetscCall(HalvesCreate(nodes, halves, &self->other));
     PetscFunctionReturn(0);
   }
   self->from_tip = (PetscBool)(self->ranks > 1 && self->rank + 1 == self->ranks);
@@ -133,6 +137,7 @@ PetscErrorCode EliminationDestroy(Elimination *self) {
   PetscCall(PetscFree((*self)->part));
   PetscCall(WideDestroy(&(*self)->wide));
   PetscCall(WideDestroy(&(*self)->whole));
+  PetscCall(HalvesDestroy(&(*self)->other));
   PetscCall(LineDestroy(&(*self)->own));
   PetscCall(LineDestroy(&(*self)->joint));
   PetscCall(PetscFree((*self)->spans));
@@ -145,6 +150,11 @@ PetscErrorCode EliminationDestroy(Elimination *self) {
 /* EliminationWide - the line of nodes of thirteen unknowns; NULL: it is of six. Borrowed. */
 WideLine EliminationWide(Elimination self) {
   return self->wide;
+}
+
+/* EliminationHalves - the line of nodes of other sizes. Borrowed. */
+Halves EliminationHalves(Elimination self) {
+  return self->other;
 }
 
 /* EliminationKeeps - does this rank keep its cells of a wide line (WideKeep()), for
@@ -532,6 +542,10 @@ static PetscErrorCode Solve(Elimination self, const PetscReal (*b)[FIELDS],
     WideSolve(self->wide, (const PetscReal(*)[WIDE_FIELDS])b, (PetscReal(*)[WIDE_FIELDS])x);
     PetscFunctionReturn(0);
   }
+  if (self->other) {
+    HalvesSolve(self->other, b[0], x[0]);
+    PetscFunctionReturn(0);
+  }
   if (self->ranks == 1) {
     LineSolve(&self->own, b, x);
     PetscFunctionReturn(0);
@@ -561,6 +575,7 @@ PetscBool EliminationRegular(Elimination self) {
     if (!EliminationRegular(self->part[k])) return PETSC_FALSE;
   if (self->parts) return PETSC_TRUE;
   if (self->wide) return WideRegular(self->wide);
+  if (self->other) return HalvesRegular(self->other);
   return self->ranks == 1 ? self->own.regular : self->joint.regular;
 }
 

@@ -1,9 +1,11 @@
 /* Gaussian elimination along a line of nodes of six unknowns, on any number of ranks, or of
-   thirteen, on one (wide.h; several count), in one pass: each cell between two nodes is eliminated
-   as soon as its equations are known, and only the factors are kept. No matrix is assembled. */
+   thirteen, on one (wide.h; several count), or of other sizes, on one (halves.h), in one pass: each
+   cell between two nodes is eliminated as soon as its equations are known, and only the factors are
+   kept. No matrix is assembled. */
 #ifndef TENDRIL_ELIMINATION_H
 #define TENDRIL_ELIMINATION_H
 
+#include "base/halves.h"
 #include "base/line.h"
 #include "base/wide.h"
 #include <petscpc.h>
@@ -20,6 +22,7 @@ Elimination EliminationPart(Elimination self, PetscInt k);
 PetscErrorCode EliminationDestroy(Elimination *self);
 PetscBool EliminationFromTip(Elimination self);
 WideLine EliminationWide(Elimination self);
+Halves EliminationHalves(Elimination self);
 void EliminationBegin(Elimination self, const LineRows tip);
 void EliminationSpring(Elimination self, PetscReal turn, PetscReal place);
 void EliminationCell(Elimination self, LineBlock a, LineBlock b);

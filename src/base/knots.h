@@ -12,7 +12,15 @@ static inline PetscInt KnotBefore(PetscInt n, const PetscReal x[], PetscReal at)
 
   if (even >= 0 && even < (PetscReal)(n - 1)) { /* most tables have even rows: at once */
     const PetscInt k = (PetscInt)even;
+    PetscInt step = 1;
     if (k + 1 < n && x[k] <= at && at < x[k + 1]) return k;
+    if (x[k] <= at) { /* others are near there, as a rule */
+      for (low = k; low + step < n - 1 && x[low + step] <= at; step *= 2) low += step;
+      high = PetscMin(n - 1, low + step);
+    } else {
+      for (high = k; high - step > 0 && x[high - step] > at; step *= 2) high -= step;
+      low = PetscMax(0, high - step);
+    }
   }
 
   while (high - low > 1) {

@@ -144,8 +144,8 @@ static PetscReal Scale(const Balance *self, const Scene scene, const Observation
   PetscReal scale = PetscMax(seen->energy + seen->contact_energy, self->first_energy);
 
   if (scale <= CurvatureRounding(&scene->curvature, seen->length))
-    /* none: at rest, too, round-off of its places works against friction of 1 */
-    scale = PETSC_MACHINE_EPSILON * PetscSqr(seen->length);
+    /* none: at rest, too, round-off of its places works against friction of 1, and bends it */
+    scale = PETSC_MACHINE_EPSILON * PetscMax(PetscSqr(seen->length), 1 / seen->length);
   return PetscMax(scale, PetscAbsReal(self->lost_work));
 }
 

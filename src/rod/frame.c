@@ -537,9 +537,9 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
     cell->slope[AT_A] = cell->slope[AT_B]; /* (each slope is brought up to the state once) */
   for (int k = new_a ? 0 : 1; k < 3; k++) Linearise(cell, k, of.at[k]);
   for (int k = 0; k < 3; k++) of.slope[k] = &cell->slope[k];
-  FrameLearnedResidual(cell->rod, i, cell->h, cell->a, cell->mid, cell->b); /* what drives it */
+  FrameLearnedDrives(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, new_a);
   FrameYieldCell(cell->rod, &of, left, right, learned);
-  FrameLearnedSlopes(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, PETSC_TRUE, of.tip,
+  FrameLearnedSlopes(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, PETSC_TRUE, PETSC_TRUE,
                      learned);
 }
 
@@ -550,11 +550,22 @@ static void YieldBegins(const Cell *cell, PetscReal begin[LINE_HALF + 1][YIELD_F
   FrameYieldBegin(cell->rod, cell->a, begin[LINE_HALF]);
 }
 
+/* ... and those of the tip, by the last node. */
+static void YieldEnds(const Cell *cell, const PetscReal shift[],
+                      PetscReal end[LINE_HALF + 1][YIELD_FIELDS]) {
+  PetscReal by[TIP_ROWS][FIELDS];
+
+  TipBlock(cell, cell->b, shift, by);
+  memset(end, 0, (LINE_HALF + 1) * sizeof(*end));
+  for (int r = 0; r < TIP_ROWS; r++) memcpy(end[r], by[r], sizeof(by[r]));
+  FrameYieldEnd(shift, end[LINE_HALF]);
+}
+
 /* The Jacobian of that. */
 static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
   const PetscInt begin = PetscMax(rod->first - 1, 0);
   PetscReal left[YIELD_FIELDS][YIELD_FIELDS], right[YIELD_FIELDS][YIELD_FIELDS],
-      end[LINE_HALF + 1][YIELD_FIELDS], by[TIP_ROWS][FIELDS], *room;
+      end[LINE_HALF + 1][YIELD_FIELDS], *room;
   LearnedCell learned;
   Cell cell;
 
@@ -571,11 +582,7 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
                             &learned.slope[AT_A], learned.clock[AT_A][0], NULL, room, J));
   }
   if (rod->end > rod->last) {
-    FrameLearnedResidual(rod, rod->last, 0, cell.b, NULL, NULL);
-    TipBlock(&cell, cell.b, at->shift, by);
-    PetscCall(PetscMemzero(end, sizeof(end)));
-    for (int r = 0; r < TIP_ROWS; r++) PetscCall(PetscArraycpy(end[r], by[r], FIELDS));
-    FrameYieldEnd(at->shift, end[LINE_HALF]);
+    YieldEnds(&cell, at->shift, end);
     LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], learned.clock[AT_B][1], at->shift);
     LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B],
@@ -585,6 +592,51 @@ static PetscErrorCode YieldJacobian(Rod rod, const RodState *at, Mat J) {
   PetscCall(PetscFree(room));
   PetscCall(MatAssemblyBegin(J, MAT_FINAL_ASSEMBLY));
   PetscCall(MatAssemblyEnd(J, MAT_FINAL_ASSEMBLY));
+  PetscFunctionReturn(0);
+}
+
+/* Rows with their columns, and a cell's equations in turn, as they are eliminated: LearnedOrder().
+ */
+static void PutYields(const Rod rod, PetscInt rows, PetscReal from[][YIELD_FIELDS], PetscReal *to) {
+  for (PetscInt r = 0; r < rows; r++) {
+    const PetscReal *row = from[rows == YIELD_FIELDS ? LearnedOrder(rod, r) : r];
+    for (PetscInt f = 0; f < YIELD_FIELDS; f++)
+      to[r * YIELD_FIELDS + f] = row[LearnedOrder(rod, f)];
+  }
+}
+
+/* FrameEliminate(), of a rod whose growth feels force, on one rank. */
+static PetscErrorCode YieldEliminate(Rod rod, const RodState *at, Elimination elimination) {
+  Halves line = EliminationHalves(elimination);
+  PetscReal left[YIELD_FIELDS][YIELD_FIELDS], right[YIELD_FIELDS][YIELD_FIELDS],
+      end[LINE_HALF + 1][YIELD_FIELDS], *a, *b;
+  LearnedCell learned;
+  Cell cell;
+
+  PetscFunctionBegin;
+  PetscCall(CellsOpen(rod, at, PETSC_FALSE, &cell));
+  HalvesBegin(line);
+  for (PetscInt i = 0; i < rod->last; i++) {
+    CellsNext(&cell, i);
+    if (i == 0) {
+      YieldBegins(&cell, end);
+      PutYields(rod, LINE_HALF + 1, end, HalvesFirst(line));
+    }
+    YieldBlocks(&cell, i, (PetscBool)(i == 0), at->shift, left, right, &learned);
+    if (i == 0) LearnedNodeSlope(rod, i, &learned.slope[AT_A], learned.clock[AT_A][0], at->shift);
+    LearnedNodeSlope(rod, i + 1, &learned.slope[AT_B], learned.clock[AT_B][1], at->shift);
+    LearnedCondense(rod, i, &learned, at->shift, left[0], right[0]);
+    HalvesBlocks(line, &a, &b);
+    PutYields(rod, YIELD_FIELDS, left, a);
+    PutYields(rod, YIELD_FIELDS, right, b);
+    HalvesCell(line);
+  }
+  LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
+  YieldEnds(&cell, at->shift, end);
+  PutYields(rod, LINE_HALF + 1, end, left[0]);
+  HalvesEnd(line, left[0]);
+  PetscCall(CellsClose(&cell));
+  LearnedCondensed(rod, elimination);
   PetscFunctionReturn(0);
 }
 
@@ -740,6 +792,10 @@ static PetscErrorCode FrameEliminate(Rod rod, const RodState *at, Elimination el
   Cell cell;
 
   PetscFunctionBegin;
+  if (((const Frame *)rod->data)->yields && !at->counts) {
+    PetscCall(YieldEliminate(rod, at, elimination));
+    PetscFunctionReturn(0);
+  }
   PetscCall(CellsOpen(rod, at, from_tip, &cell));
   if (from_tip) TipBlock(&cell, cell.a, at->shift, by);
   if (from_tip && at->counts) PetscCall(TipSprings(rod, at->t, by));

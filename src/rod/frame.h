@@ -92,6 +92,8 @@ void FrameLearnedLaws(Rod rod, PetscReal t);
 PetscErrorCode FrameLearnedOpen(Rod rod, const RodState *at);
 void FrameLearnedResidual(Rod rod, PetscInt i, PetscReal h, const Point *p, const Point *mid,
                           const Point *b);
+void FrameLearnedDrives(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
+                        const Point *b, PetscBool at_a);
 void FrameLearnedCell(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
                       const Point *b, PetscBool at_a, PetscBool at_b,
                       PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS],

@@ -90,6 +90,24 @@ void FrameLearnedResidual(Rod rod, PetscInt i, PetscReal h, const Point *p, cons
   LearnedResidual(rod, place + 1, &point);
 }
 
+/* FrameLearnedDrives - what drives the states of the cell behind node i; of that at a
+   where it is asked for. */
+void FrameLearnedDrives(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
+                        const Point *b, PetscBool at_a) {
+  const Frame *frame = (const Frame *)rod->data;
+  const PetscInt place = 2 * (i - rod->first + 1);
+  LearnedPoint point;
+
+  if (at_a) {
+    SeePoint(rod, place, From2(a->at.x), a, &point);
+    LearnedResidual(rod, place, &point);
+  }
+  SeePoint(rod, place + 1, MidPlace(frame->bow * h, a, b), mid, &point);
+  LearnedResidual(rod, place + 1, &point);
+  SeePoint(rod, place + 2, From2(b->at.x), b, &point);
+  LearnedResidual(rod, place + 2, &point);
+}
+
 /* The unknowns in the middle by those of one end, and by the bend learned there; k = bow h, -bow h
    of the end towards the tip. */
 static void MidByEnd(PetscReal k, const Law *law, const Point *p,

@@ -40,6 +40,7 @@ PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt be
   PetscCall(PetscCalloc2(nodes, &self->node, nodes, &self->cell));
   PetscCall(PetscCalloc5(nodes * mech, &self->b, nodes * mech, &self->x, places * self->per,
                          &self->free, places * self->per, &self->rhs, nodes * mech, &self->beside));
+  if (extra) PetscCall(PetscMalloc1(2 * nodes * mech, &self->turned));
   for (int b = 0; b < TROPISM_BENDS; b++)
     PetscCall(PetscCalloc1(self->at_tip ? nodes * mech : 0, &self->border[b]));
   PetscFunctionReturn(0);
@@ -56,6 +57,7 @@ PetscErrorCode LearnedDestroy(Rod rod) {
   PetscCall(PetscFree2(self->node, self->cell));
   PetscCall(PetscFree5(self->b, self->x, self->free, self->rhs, self->beside));
   for (int b = 0; b < TROPISM_BENDS; b++) PetscCall(PetscFree(self->border[b]));
+  PetscCall(PetscFree(self->turned));
   PetscCall(PetscFree(self->label));
   PetscCall(PetscFree(self->over));
   PetscCall(PetscFree(rod->learned));

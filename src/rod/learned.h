@@ -78,6 +78,7 @@ typedef struct Learned_ {
   PetscReal *border[TROPISM_BENDS], inverse[TROPISM_BENDS][TROPISM_BENDS]; /* J^-1 w */
   PetscReal *b, *x, *free; /* room: of owned nodes; free parts of the states of places */
   PetscReal *label, (*over)[LEARNED_STENCIL]; /* of all places: see LearnedCarry(); NULL: not yet */
+  PetscReal *turned;       /* of owned nodes, right-hand side and unknowns as they are eliminated */
   PetscReal *rhs, *beside; /* a right-hand side taken apart: its states, and mechanics */
 } * Learned;
 
@@ -115,9 +116,25 @@ PetscErrorCode LearnedTimesRate(Rod rod, Vec V);
 PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
                             const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum);
 
-/* Has the rod unknowns beside those that an elimination in one pass knows of? */
+/* Has the rod unknowns of growth that feels force? */
 static inline PetscBool LearnedExtra(const Rod rod) {
   return (PetscBool)(rod->learned && rod->learned->extra);
+}
+
+/* The halves of the equations that an elimination solves: V's is one of the cell before a node, L's
+   of the one behind it. */
+static inline void LearnedHalves(const Rod rod, PetscInt halves[2]) {
+  for (int k = 0; k < 2; k++) halves[k] = rod->model->halves[k] + (LearnedExtra(rod) ? 1 : 0);
+}
+
+/* Which unknown of a node, or equation of a cell, comes where they are eliminated: those of the
+   cell before the node, V, the others, L. */
+static inline PetscInt LearnedOrder(const Rod rod, PetscInt f) {
+  const PetscInt before = rod->model->halves[0];
+
+  if (f < before) return f;
+  if (f == before) return rod->learned->lead;
+  return f + 1 < rod->learned->mech ? f - 1 : f;
 }
 
 /* The states of a place, and their rates. */

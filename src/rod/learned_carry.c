@@ -95,6 +95,12 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
   PetscFunctionReturn(0);
 }
 
+/* LearnedCarries - do states go along with material that slides past the labels? */
+PetscBool LearnedCarries(const Rod rod) {
+  return (PetscBool)(rod->learned && TropismLearns(&rod->scene->tropism) &&
+                     rod->scene->growth->slides);
+}
+
 /* LearnedKeepWay - before a step: where growth feels force, which way the material has come is that
    of the states that the step goes on from, the latest first. Collective. */
 PetscErrorCode LearnedKeepWay(Rod rod, PetscInt m, const PetscReal times[], const Vec points[]) {
@@ -104,7 +110,7 @@ PetscErrorCode LearnedKeepWay(Rod rod, PetscInt m, const PetscReal times[], cons
   const PetscScalar *v;
 
   PetscFunctionBegin;
-  if (!self->extra) PetscFunctionReturn(0);
+  if (!self->extra || !LearnedCarries(rod)) PetscFunctionReturn(0);
   PetscCall(PetscMalloc3(2 * n, &all, m * n, &speed, m, &length));
   for (PetscInt j = 0; j < m; j++) {
     PetscCall(VecGetArrayRead(points[j], &v));
@@ -139,11 +145,6 @@ static void StatesAt(const Rod rod, const PetscReal *label, const PetscReal *all
     k[c] = 0;
     for (int i = 0; i < STENCIL; i++) k[c] += sign * w[i] * all[(first + i) * per + c];
   }
-}
-
-/* LearnedCarries - do states go along with material that slides past the labels? */
-PetscBool LearnedCarries(const Rod rod) {
-  return (PetscBool)(rod->learned && rod->scene->growth->slides);
 }
 
 /* LearnedTimesRate - V, a change of rates, becomes what it changes the equations of states by. */

@@ -349,10 +349,19 @@ static PetscErrorCode SignalBy(const Rod rod, const PetscReal *x, PetscReal sign
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode SolveMechanics(const Learned self, const PetscReal *b, PetscReal *x) {
+/* The unknowns x of the mechanics of owned nodes by b. */
+static PetscErrorCode SolveMechanics(const Rod rod, const PetscReal *b, PetscReal *x) {
+  const Learned self = rod->learned;
+  const PetscInt nodes = rod->end - rod->first, n = self->mech;
+  PetscReal *in = self->extra ? self->turned : NULL, *out = in ? in + nodes * n : x;
+
   PetscFunctionBegin;
-  PetscCall(EliminationSolve(self->elimination, (const PetscReal(*)[LINE_FIELDS])b,
-                             (PetscReal(*)[LINE_FIELDS])x));
+  for (PetscInt i = 0; i < nodes && in; i++)
+    for (PetscInt f = 0; f < n; f++) in[i * n + f] = b[i * n + LearnedOrder(rod, f)];
+  PetscCall(EliminationSolve(self->elimination, (const PetscReal(*)[LINE_FIELDS])(in ? in : b),
+                             (PetscReal(*)[LINE_FIELDS])out));
+  for (PetscInt i = 0; i < nodes && in; i++)
+    for (PetscInt f = 0; f < n; f++) x[i * n + LearnedOrder(rod, f)] = out[i * n + f];
   PetscFunctionReturn(0);
 }
 
@@ -368,7 +377,7 @@ static PetscErrorCode Border(const Rod rod) {
   PetscFunctionBegin;
   for (PetscInt b = 0; b < self->bends; b++) {
     self->kind->border(rod, b, self->b);
-    PetscCall(SolveMechanics(self, self->b, self->border[b]));
+    PetscCall(SolveMechanics(rod, self->b, self->border[b]));
     PetscCall(SignalBy(rod, self->border[b], signal));
     for (PetscInt c = 0; c < self->bends; c++) M[c][b] -= signal[c];
   }
@@ -388,7 +397,7 @@ static PetscErrorCode SolveBordered(const Rod rod, PetscReal signal[]) {
   PetscReal by[TROPISM_BENDS], c[TROPISM_BENDS];
 
   PetscFunctionBegin;
-  PetscCall(SolveMechanics(self, self->b, self->x));
+  PetscCall(SolveMechanics(rod, self->b, self->x));
   if (!self->at_tip) PetscFunctionReturn(0);
   for (PetscInt b = 0; b < self->bends; b++) LearnedAdd(n, signal[b], self->border[b], self->x);
   PetscCall(SignalBy(rod, self->x, by));

@@ -65,15 +65,16 @@ static PetscErrorCode CreateMatrix(Estimate self) {
 /* The coarse rod, on rank 0. Itself it touches only from the first contact on. */
 static PetscErrorCode CreateCoarse(Estimate self) {
   const PetscInt n = self->nodes * self->fields;
+  PetscInt halves[2];
 
   PetscFunctionBegin;
   PetscCall(RodCoarsen(self->leg->rod, self->nodes, self->stride,
                        (PetscBool)(self->touches || self->leg->rod->at), &self->rod));
-  if (self->rod->coupled || LearnedExtra(self->rod))
+  LearnedHalves(self->rod, halves);
+  if (self->rod->coupled)
     PetscCall(CreateMatrix(self));
   else
-    PetscCall(
-        EliminationCreate(PETSC_COMM_SELF, self->nodes, self->model->halves, &self->elimination));
+    PetscCall(EliminationCreate(PETSC_COMM_SELF, self->nodes, halves, &self->elimination));
   PetscCall(DMCreateGlobalVector(self->rod->da, &self->U));
   PetscCall(VecDuplicate(self->U, &self->rate));
   PetscCall(VecDuplicate(self->U, &self->nudged));

@@ -85,7 +85,7 @@ static PetscErrorCode BeforeStep(TS ts) {
   PetscCall(SetTolerance(leg));
   PetscCall(
       TSSetTolerances(ts, PETSC_DEFAULT, leg->tolerance, leg->ease.times * leg->rtol, leg->none));
-  NewtonFollow(&leg->newton, leg->ease.times * leg->rtol);
+  if (!leg->ease.holds) NewtonFollow(&leg->newton, leg->ease.times * leg->rtol);
   PetscFunctionReturn(0);
 }
 
@@ -657,6 +657,7 @@ PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg) {
   leg->rod = rod;
   leg->rtol = rtol;
   leg->ease.most = leg->ease.wants = leg->ease.times = 1;
+  leg->ease.holds = (PetscBool)(RodIsDry(rod) && RodRubsOnWalls(rod));
   PetscCall(PetscCalloc1(rod->rods, &leg->of));
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));

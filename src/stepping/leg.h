@@ -10,6 +10,7 @@ typedef struct {
   PetscReal wants;  /* so many times it is to be */
   PetscReal times;  /* so many times it is, one of few levels */
   PetscReal others; /* by how much contact puts the rod off */
+  PetscBool holds;  /* walls and dry friction may hold it at once, as chattering forces decide */
 } Ease;
 
 /* What errors of one of its rods are measured against. */

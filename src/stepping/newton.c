@@ -117,15 +117,18 @@ static PetscReal WeightOfForces(const Newton *self, PetscReal floor) {
   shorter ones. The former are given up where the residual has been so many times that of the guess,
   so many times in a row (one that finds its way from far out of balance comes back from there), but
   not before the EARLIEST (the first are, of a rod that leaves a stiff wall), the latter where it
-  has not halved in so many.
+  has not halved in so many. What rests does not diverge: of a guess in balance to the last digit
+  residuals of 1e-10 are many times its own, where a short step makes speeds of round-off.
 */
-static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBool cut) {
+static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBool rests,
+                          PetscBool cut) {
   const PetscBool begins = (PetscBool)!it,
                   halves = (PetscBool)(residual <= step_rule.stalls * self->halved);
 
   if (begins || halves) self->halved = residual;
   self->stalled = begins || halves ? 0 : self->stalled + 1;
-  self->diverges = !begins && residual > step_rule.diverges * self->guess ? self->diverges + 1 : 0;
+  self->diverges =
+      !begins && !rests && residual > step_rule.diverges * self->guess ? self->diverges + 1 : 0;
   return (PetscBool)(RodTouches(self->rod) &&
                      (cut ? self->stalled >= step_rule.stalls_iterations
                           : it >= step_rule.diverges_earliest &&
@@ -253,7 +256,8 @@ static PetscErrorCode Converged(SNES snes, PetscInt it, PetscReal xnorm, PetscRe
                         (double)left, (double)rate, (double)residual[ALONG],
                         (double)residual[ACROSS_2]));
   }
-  hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(part < whole));
+  hopeless = Hopeless(self, it, Largest(residual), (PetscBool)(followed <= floor),
+                      (PetscBool)(part < whole));
   if (!*reason && hopeless) *reason = SNES_DIVERGED_LINE_SEARCH;
   if (*reason > 0) PetscCall(KeepForces(self, F));
   if (*reason > 0 && RodSticks(self->rod) && self->rod->model->hold)
@@ -372,11 +376,12 @@ static PetscErrorCode MatrixAsked(TS ts, PetscBool *wanted) {
 static PetscErrorCode HasChain(Rod rod, PetscBool *has) {
   const RodEnds ends = RodEndsOf(rod);
   PetscMPIInt ranks;
+  PetscInt halves[2];
 
   PetscFunctionBegin;
+  LearnedHalves(rod, halves);
   PetscCallMPI(MPI_Comm_size(rod->comm, &ranks));
-  *has = (PetscBool)(rod->model->eliminate && !LearnedExtra(rod) &&
-                     EliminationCan(rod->model->halves, ranks) && ends.clamped &&
+  *has = (PetscBool)(rod->model->eliminate && EliminationCan(halves, ranks) && ends.clamped &&
                      (ranks == 1 || !ends.tip_held));
   PetscFunctionReturn(0);
 }
@@ -421,13 +426,16 @@ static PetscErrorCode SolverOf(TS ts, KSP *ksp, PC *pc) {
   PetscFunctionReturn(0);
 }
 
-/* What eliminates the equations of one rod, or of several that do not see each other. */
-static PetscErrorCode CreateElimination(Rod rod, Elimination *elimination) {
-  PetscInt *nodes;
+/* What eliminates the equations of one rod, or of several that do not see each other; counts: to
+   count modes alone. */
+static PetscErrorCode CreateElimination(Rod rod, PetscBool counts, Elimination *elimination) {
+  PetscInt *nodes, halves[2];
 
   PetscFunctionBegin;
+  LearnedHalves(rod, halves);
   if (!rod->at) {
-    PetscCall(EliminationCreate(rod->comm, rod->end - rod->first, rod->model->halves, elimination));
+    PetscCall(EliminationCreate(rod->comm, rod->end - rod->first,
+                                counts ? rod->model->halves : halves, elimination));
     PetscFunctionReturn(0);
   }
   PetscCall(PetscMalloc1(rod->rods, &nodes));
@@ -439,7 +447,8 @@ static PetscErrorCode CreateElimination(Rod rod, Elimination *elimination) {
 
 /* A matrix that is not there: its equations are eliminated as they are computed. Where friction
    feels the spin of a rod modes are counted in another one (rod/space_cells.h), and so they are
-   where a tip is held at rest, whose last cell else had no friction at one end alone. */
+   where a tip is held at rest, whose last cell else had no friction at one end alone, and where
+   growth feels force. */
 static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   Rod rod = newton->rod;
   PetscInt nodes = rod->end - rod->first, n = nodes * rod->model->fields;
@@ -447,7 +456,7 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
   PC pc;
 
   PetscFunctionBegin;
-  PetscCall(CreateElimination(rod, &newton->elimination));
+  PetscCall(CreateElimination(rod, PETSC_FALSE, &newton->elimination));
   PetscCall(MatCreateShell(rod->comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, newton, &newton->J));
   PetscCall(MatShellSetOperation(newton->J, MATOP_MULT, (void (*)(void))MultiplyDirection));
   PetscCall(SolverOf(ts, &ksp, &pc));
@@ -455,8 +464,8 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
     PetscCall(LearnedSetType(pc, rod, newton->elimination));
   else
     PetscCall(EliminationSetType(pc, newton->elimination));
-  if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests)
-    PetscCall(CreateElimination(rod, &newton->counter));
+  if ((rod->model->space && RodFeelsSpin(rod)) || RodEndsOf(rod).tip_rests || LearnedExtra(rod))
+    PetscCall(CreateElimination(rod, PETSC_TRUE, &newton->counter));
   PetscFunctionReturn(0);
 }
 
@@ -500,7 +509,7 @@ PetscErrorCode NewtonSetMatrix(TS ts, Newton *newton) {
       PetscCall(SetBlockLU(ts, newton));
     else
       PetscCall(RodCreateMatrix(rod, &newton->J));
-    if (counts) PetscCall(CreateElimination(rod, &newton->counter));
+    if (counts) PetscCall(CreateElimination(rod, PETSC_TRUE, &newton->counter));
   }
   PetscCall(TSSetIJacobian(ts, newton->J, newton->J, Jacobian, newton));
   PetscFunctionReturn(0);

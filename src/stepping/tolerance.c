@@ -30,7 +30,7 @@ void ToleranceFollow(PetscReal rtol, const PetscReal part[ESTIMATE_PARTS][ESTIMA
   times =
       PetscPowReal(step_rule.part_of_contact * ease->others / time, 1 / step_rule.tolerance_power);
   if (PetscMax(seen, soft) > step_rule.error_unknown) {
-    if (seen > soft) return;
+    if (ease->holds || seen > soft) return;
     times = step_rule.tolerance_rises;
   }
   ease->wants *= PetscMax(step_rule.tolerance_falls, PetscMin(step_rule.tolerance_rises, times));

@@ -226,6 +226,17 @@ def scenes_of_any_length_take_the_same_steps():
 
 
 @check
+def a_rod_that_rests_between_walls_rests_in_any_units():
+    """A rod in its natural shape, between walls that it does not touch: what short steps make of round-off is no motion."""
+    one = lab.Scene(random.Random(92036), walls=True)
+    ran = [lab.steps(scene.TENDRIL, one.scaled(c)) for c in (1, 1e-3, 0.03, 1e3)]
+    print(ran)
+    expect(all(not isinstance(r, str) and r[0] <= 20 for r in ran), ran)
+    r = Run(one.scaled(1e-3))
+    expect(abs(r.series["energy_defect"][-1]) < 1e-6, r.series["energy_defect"][-1])
+
+
+@check
 def a_short_rod_is_short_behind_a_restart():
     """What is short for a rod is so behind a restart."""
     options = (STILL + wave(3, 0.5, 1e-4) + "-growth_initial_length 0.1 -tip_type pinned " + LAST).split()
