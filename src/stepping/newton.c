@@ -127,8 +127,10 @@ static PetscBool Hopeless(Newton *self, PetscInt it, PetscReal residual, PetscBo
 
   if (begins || halves) self->halved = residual;
   self->stalled = begins || halves ? 0 : self->stalled + 1;
-  self->diverges =
-      !begins && !rests && residual > step_rule.diverges * self->guess ? self->diverges + 1 : 0;
+  self->diverges = !begins && !(rests && self->guess <= step_rule.update_round_off) &&
+                           residual > step_rule.diverges * self->guess
+                       ? self->diverges + 1
+                       : 0;
   return (PetscBool)(RodTouches(self->rod) &&
                      (cut ? self->stalled >= step_rule.stalls_iterations
                           : it >= step_rule.diverges_earliest &&
