@@ -48,6 +48,7 @@ typedef struct {
 enum { ASTRAY_NUMBERS = sizeof(Astray) / sizeof(PetscReal) };
 
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate);
+PetscErrorCode EstimatePart(Estimate whole, PetscInt k, Leg *leg, Estimate *estimate);
 PetscErrorCode EstimateDestroy(Estimate *estimate);
 PetscErrorCode EstimateSceneChanged(Estimate estimate);
 PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped, PetscBool touches);

@@ -19,6 +19,9 @@ typedef struct {
 
 struct _Estimate {
   Leg *leg;
+  Estimate whole; /* of one rod of several that hold each other: that of all, of which this one has
+                     its part; NULL: none */
+  Estimate *part; /* of all: of each, by the rods of its leg; NULL: of one rod */
   const RodModel *model;
   PetscInt fields, followed, mirrors; /* of a node; those that have rates, first, or all that may;
                                          of those across */
@@ -49,6 +52,7 @@ struct _Estimate {
 };
 
 PetscInt EstimateFineNode(const Estimate estimate, PetscInt k);
+void EstimateAgree(const Estimate from, Estimate to);
 PetscErrorCode EstimateRefine(Estimate estimate, PetscInt stride);
 PetscErrorCode EstimateLookAtLayer(Estimate estimate, PetscReal t);
 PetscErrorCode EstimateSee(const Estimate estimate, PetscReal t, const PetscReal *e,
