@@ -22,7 +22,7 @@ static PetscErrorCode SetToleranceOf(Leg *leg, PetscInt k) {
     const PetscReal least = rod_rule.vanished * RodFieldUnit(rod, f);
     most[f] = rod->model->followed[f] && !(front && f >= rod->learned->mech)
                   ? step_rule.step_share *
-                        PetscMax(leg->ease.times * leg->rtol *
+                        PetscMax(leg->ease.times * leg->of[k].eased * leg->rtol *
                                      PetscMax(leg->of[k].size[f],
                                               step_rule.steering_floor * RodSteered(rod, f)),
                                  least)
@@ -476,6 +476,7 @@ PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg) {
   leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   leg->ease.holds = (PetscBool)(RodIsDry(rod) && RodRubsOnWalls(rod));
   PetscCall(PetscCalloc1(rod->rods, &leg->of));
+  for (PetscInt k = 0; k < rod->rods; k++) leg->of[k].eased = 1;
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));

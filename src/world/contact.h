@@ -59,6 +59,7 @@ typedef struct {
 
 extern const OptionGroup contact_options;
 
+const char *ContactRemedy(void);
 PetscErrorCode ContactSetFromOptions(Contact *contact, PetscBool among, const Friction *friction,
                                      PetscReal clamp_angle);
 PetscErrorCode ContactMayGetFirm(Contact *contact);

@@ -304,6 +304,7 @@ REFUSED = [  # (lines of a scene, what is said)
     ("[rod a]\n[rod b]\n-clamp_on a\n-clamp_type ball\n", "line 4, rod b: -clamp_type ball: nothing keeps the rod from spinning"),
     ("-growth_type none\n-shape_type straight\n[rod a]\n[rod b]\n-clamp_place 1,0,0\n-clamp_direction -1,0\n-tip_on a\n",
      "line 7, rod b: -tip_on a: rods that are straight do not stretch"),
+    ("[rod a]\n-tip_on b\n[rod b]\n-tip_on a\n", "line 4, rod b: -tip_on a: the tip of rod a is held by this one already; leave one of them out"),
     ("[rod a]\n-clamp_type ball\n", "line 2, rod a: -clamp_type ball: is a joint between rods"),
 ]
 
