@@ -589,6 +589,12 @@ static PetscErrorCode StepOn(Estimate self, PetscBool jumped, PetscBool touches)
   PetscFunctionReturn(0);
 }
 
+/* EstimateGives - what others that press the rod put its tip off by, as their contact gives: errors
+   of it alone do not know of that. */
+void EstimateGives(Estimate self, PetscReal gives) {
+  if (self) self->gives = gives;
+}
+
 /* EstimateAgree - one of all and one of a rod of these are of one time. */
 void EstimateAgree(const Estimate from, Estimate to) {
   to->touches = from->touches;

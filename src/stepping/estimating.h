@@ -40,6 +40,7 @@ struct _Estimate {
   PetscReal start[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* before, for a run that ends there */
   PetscReal began[ESTIMATE_SEEN];                 /* when there was nothing of it, at last */
   PetscReal now[ESTIMATE_PARTS][ESTIMATE_SEEN];   /* of the state when e was stepped last */
+  PetscReal gives;                                /* EstimateGives() */
   PetscReal rigid[RIGID_VALUES]; /* what k dU/dk makes of its tip and energy, of itself */
   /* rank 0: the coarse rod; NULL else */
   Rod rod;

@@ -401,6 +401,14 @@ static PetscErrorCode ReadEach(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* The tolerance of all is the finest of theirs, and each has its own: what contact puts one off by
+   says nothing of one that is free. */
+static void EaseEach(Run *self, PetscReal finest) {
+  self->leg.ease.times = finest;
+  for (PetscInt k = 0; k < self->n; k++)
+    self->leg.of[k].eased = self->each[k].now->ease.times / finest;
+}
+
 /* One rod goes on. */
 static PetscErrorCode GoOnEach(Run *self, PetscInt k, Vec all[]) {
   const RestartState *state = &self->own[k];
@@ -437,10 +445,10 @@ static PetscErrorCode GoOn(Run *self) {
 
   PetscFunctionBegin;
   PetscCall(RestartTake(self->restart, &self->from, &self->leg));
-  self->leg.ease.times = self->from.ease;
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDuplicate(self->leg.U, &errors[i]));
   PetscCall(RestartReadErrors(self->restart, &self->from, PETSC_COMM_SELF, errors));
   for (PetscInt k = 0; k < self->n; k++) PetscCall(GoOnEach(self, k, errors));
+  EaseEach(self, self->from.ease);
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDestroy(&errors[i]));
   self->t = self->start = self->stored_shape = self->from.t;
   self->snaps = (PetscInt)self->from.kept.snaps;
@@ -469,12 +477,27 @@ static PetscErrorCode FollowErrors(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* What each is put off by, as what presses it gives. */
+static PetscErrorCode TakeGives(Run *self, PetscReal t) {
+  StrandSum on;
+
+  PetscFunctionBegin;
+  if (!self->strands[1]) PetscFunctionReturn(0);
+  PetscCall(KnowStrands(self, t, PETSC_TRUE));
+  for (PetscInt k = 0; k < self->n; k++) {
+    StrandsSum(self->strands[1], k, &on);
+    EstimateGives(self->each[k].estimate, on.gives);
+  }
+  PetscFunctionReturn(0);
+}
+
 /* Looks at all rods, at a time; begins: as they begin. */
 static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
   PetscReal times = PETSC_MAX_REAL;
 
   PetscFunctionBegin;
   self->t = t;
+  if (!begins) PetscCall(TakeGives(self, t));
   if (!begins) PetscCall(FollowErrors(self));
   for (PetscInt k = 0; k < self->n; k++) {
     Grow *grow = &self->each[k];
@@ -483,7 +506,7 @@ static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
     PetscCall(GrowObserve(grow, t, begins ? NULL : leg->U, begins ? NULL : leg->newton.latest.U_t));
     times = PetscMin(times, leg->ease.times);
   }
-  self->leg.ease.times = times;
+  EaseEach(self, times);
   PetscFunctionReturn(0);
 }
 
