@@ -85,6 +85,8 @@ static inline void FrameCellsNext(Cell *cell, PetscInt i) {
 }
 
 /* frame_slope.c */
+PetscBool FrameFeetSlopes(const Cell *cell, PetscInt i, const PetscReal shift[],
+                          const PetscReal *shift_g, FootLoad load, FootSlope by);
 void FrameTipBlock(const Cell *cell, const Point *end, const PetscReal shift[],
                    PetscReal by[TIP_ROWS][FIELDS]);
 PetscErrorCode FrameJacobian(Rod rod, const RodState *at, Mat J);

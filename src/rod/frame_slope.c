@@ -92,6 +92,32 @@ static void PutRows(Rows rows, int from, PetscInt column, PetscReal part[FIELDS]
     for (int k = 0; k < FIELDS; k++) rows[f][column + k] = part[f][k];
 }
 
+/* FrameFeetSlopes - what the feet of a cell do, and its slopes; no: there are none. shift_g: of the
+   stretch, where it is an unknown; NULL: it is not. */
+PetscBool FrameFeetSlopes(const Cell *cell, PetscInt i, const PetscReal shift[],
+                          const PetscReal *shift_g, FootLoad load, FootSlope by) {
+  FootEnd end[2];
+  FootCell of;
+  Feet feet;
+
+  if (!FrameCellsFeet(cell, i, &of, &feet)) return PETSC_FALSE;
+  of.stretches = (PetscBool)(shift_g != NULL);
+  (void)memset(by, 0, sizeof(FootSlope));
+  (void)memset(load, 0, sizeof(FootLoad));
+  (void)memset(end, 0, sizeof(end));
+  FeetHandOut(&of, &feet, load);
+  for (int e = 0; e < 2; e++) {
+    const Law *law = &cell->law[2 * e];
+    const Vector2 q = From2((e ? cell->b : cell->a)->at.q);
+    const PetscReal theta_t = cell->u_t[i + e][TH];
+    Put2(From2(shift + X1), end[e].curve.shift);
+    CurveEndInPlane(q, theta_t, law->g, law->g_t, shift[TH], &end[e].curve);
+    if (shift_g) Put2(Along2(Times2(*shift_g, q), theta_t, Left2(q)), end[e].stretch_t);
+  }
+  FeetLinearise(&cell->rod->scene->contact, &of, end, cell->fresh, HeldAt(cell), &feet, by);
+  return PETSC_TRUE;
+}
+
 /* Adds to a cell's equations by its nodes what comes of its feet. */
 static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
                          PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
@@ -102,38 +128,24 @@ static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
   PetscReal turn; /* of the kink by the angle in the middle */
   FootSlope by;
   FootLoad load;
-  FootEnd end[2];
-  FootCell of;
-  Feet feet;
 
-  if (!FrameCellsFeet(cell, i, &of, &feet)) return;
-  (void)memset(by, 0, sizeof(by));
-  (void)memset(load, 0, sizeof(load));
-  FeetHandOut(&of, &feet, load);
+  if (!FrameFeetSlopes(cell, i, shift, NULL, load, by)) return;
   turn = -kink * Dot2(q, From2(load[FOOT_KINK]));
   left[TH][TH] -= turn / 2;
   right[TH][TH] -= turn / 2;
   left[TH][M] -= turn * frame->bow * h * cell->law[AT_A].g * cell->law[AT_A].flex;
   right[TH][M] += turn * frame->bow * h * cell->law[AT_B].g * cell->law[AT_B].flex;
-  (void)memset(end, 0, sizeof(end));
-  for (int e = 0; e < 2; e++) {
-    const Law *law = &cell->law[2 * e];
-    Put2(From2(shift + X1), end[e].curve.shift);
-    CurveEndInPlane(From2((e ? cell->b : cell->a)->at.q), cell->u_t[i + e][TH], law->g, law->g_t,
-                    shift[TH], &end[e].curve);
-  }
-  FeetLinearise(&cell->rod->scene->contact, &of, end, cell->fresh, HeldAt(cell), &feet, by);
-  for (int u = 0; u < 2 * 3; u++) {
-    PetscReal(*J)[FIELDS] = u < 3 ? left : right;
+  for (int u = 0; u < 2 * FOOT_PLANE; u++) {
+    PetscReal(*J)[FIELDS] = u < FOOT_PLANE ? left : right;
     const Vector2 a = Column2(by[AT_A][0], FOOT_UNKNOWNS, u),
                   mid = Column2(by[AT_MID][0], FOOT_UNKNOWNS, u),
                   b = Column2(by[AT_B][0], FOOT_UNKNOWNS, u),
                   turned = Column2(by[FOOT_KINK][0], FOOT_UNKNOWNS, u), bow = Minus2(a, b),
                   sum = Along2(Times2(frame->end_weight, Plus2(a, b)), frame->mid_weight, mid);
-    J[TH][u % 3] -= kink * Cross2(q, turned);
-    J[M][u % 3] -= wm * Cross2(bow, q); /* of n in the middle */
-    J[N1][u % 3] -= h * sum.x;
-    J[N2][u % 3] -= h * sum.y;
+    J[TH][u % FOOT_PLANE] -= kink * Cross2(q, turned);
+    J[M][u % FOOT_PLANE] -= wm * Cross2(bow, q); /* of n in the middle */
+    J[N1][u % FOOT_PLANE] -= h * sum.x;
+    J[N2][u % FOOT_PLANE] -= h * sum.y;
   }
 }
 

@@ -9,6 +9,8 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
                         PetscReal left[YIELD_FIELDS][YIELD_FIELDS],
                         PetscReal right[YIELD_FIELDS][YIELD_FIELDS], LearnedCell *learned) {
   const Frame *frame = (const Frame *)cell->rod->data;
+  FootSlope by;
+  FootLoad load;
   PetscReal still[YIELD_FIELDS] = {[FIELDS] = shift[FIELDS], shift[FIELDS + 1]};
   YieldCell of = {.place = 2 * (i - cell->rod->first + 1),
                   .tip = (PetscBool)(i + 1 == cell->rod->last),
@@ -23,6 +25,10 @@ static void YieldBlocks(Cell *cell, PetscInt i, PetscBool new_a, const PetscReal
     cell->slope[AT_A] = cell->slope[AT_B]; /* (each slope is brought up to the state once) */
   for (int k = new_a ? 0 : 1; k < 3; k++) Linearise(cell, k, of.at[k]);
   for (int k = 0; k < 3; k++) of.slope[k] = &cell->slope[k];
+  if (frame->feet && FrameFeetSlopes(cell, i, shift, &shift[FIELDS + 1], load, by)) {
+    of.load = load;
+    of.feet = by;
+  }
   FrameLearnedDrives(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, new_a);
   FrameYieldCell(cell->rod, &of, left, right, learned);
   FrameLearnedSlopes(cell->rod, i, cell->h, cell->a, cell->mid, cell->b, PETSC_TRUE, PETSC_TRUE,
