@@ -87,9 +87,9 @@ MUTATIONS = [
     ("cross, coupled as others", "rod/ask.c", "rod->coupled ||", ""),
     ("cross, across as along", "rod/ask.c", "load->turns ||", ""),
     ("cross, resting as moving", "rod/ask.c", "|| scene->growth->rests);", ");"),
-    ("cross, parity ignored", L, "index <= 0 && index % 2 == 0", "index <= 0"),
-    ("cross, unknown is free", L, "if (!known && sight == VBDF_JUMP)", "if (0)"),
-    ("cross, on the straight rod too", L, "*bent = PETSC_FALSE;", "*bent = PETSC_TRUE;"),
+    ("cross, parity ignored", "stepping/leg_modes.c", "index <= 0 && index % 2 == 0", "index <= 0"),
+    ("cross, unknown is free", "stepping/leg_modes.c", "if (!known && sight == VBDF_JUMP)", "if (0)"),
+    ("cross, on the straight rod too", "stepping/leg_modes.c", "*bent = PETSC_FALSE;", "*bent = PETSC_TRUE;"),
     # -- leg
     ("share_of_step, all", *rule(S, "step_share", "0.3", "3")),
     ("share_of_step, little", *rule(S, "step_share", "0.3", "0.01")),

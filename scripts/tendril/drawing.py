@@ -38,7 +38,7 @@ def begun(scene, rods, pairs, options) -> Results:
 
 
 def draw(scene=None, *, rods=None, pairs=None, view: tuple[float, float] | str | None = None, **options) -> Figure:
-    """Draws a scene before it runs: its rods as they begin, with their names, and the walls.
+    """Draws a scene before it runs: its rods as they begin, with their names, and the walls. A clamp is a square, a joint a ring.
 
     scene, rods, pairs, options  as for run(); or what run() gave, drawn as it began
     view                         from where it is seen, as for plot()"""
@@ -58,8 +58,12 @@ def draw(scene=None, *, rods=None, pairs=None, view: tuple[float, float] | str |
             low, high = low - room, high + room
         furnish(axes, low, high, up_of(each[0]), sight(view or VIEW), lambda name: name)
         axes.add_collection(Rods([Strand(x, shade, diameter_of(r)) for r, x, shade in zip(each, shapes, shades)], zorder=3), autolim=False)
+        joints = results.joints if isinstance(results, Several) and results.joined else {}
         for r, x, shade in zip(each, shapes, shades):
-            axes.plot(*x[:1].T, "ks", ms=3, zorder=4)
+            if r.name not in joints:
+                axes.plot(*x[:1].T, "ks", ms=3, zorder=4)
+            for end in [k for name, k in ((r.name, 0), (f"{r.name}.tip", -1)) if name in joints]:
+                axes.plot(*x[[end]].T, "o", mfc="w", mec=shade, ms=5, zorder=4)
             if len(each) <= NAMED and isinstance(results, Several):
                 axes.text(*x[-1], f" {r.name}", color=shade, fontsize=8, zorder=5)
         for r in {id(r): r for r in lines.values()}.values():

@@ -48,6 +48,7 @@ PetscErrorCode MeshCreate(PetscInt cells, PetscBool graded, Growth growth, Petsc
 
   PetscFunctionBegin;
   mesh->cells = cells;
+  mesh->doubles = 0;
   PetscCall(PetscMalloc1(cells + 1, &mesh->s));
   graded = (PetscBool)(graded && (!growth->even || growth->finest > 0));
   PetscCall(GrowthLength(growth, end_time, &length, NULL));
@@ -120,6 +121,7 @@ PetscErrorCode MeshDouble(Mesh *mesh, PetscReal s, PetscInt *node) {
   }
   mesh->s[at] = s;
   PetscCall(Insert(mesh, s, at));
+  mesh->doubles++;
   *node = at;
   PetscFunctionReturn(0);
 }

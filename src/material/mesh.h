@@ -7,7 +7,8 @@
 
 typedef struct {
   PetscInt cells;
-  PetscReal *s; /* cells + 1 nodes from 0 to 1, the same on every rank */
+  PetscReal *s;     /* cells + 1 nodes from 0 to 1, the same on every rank */
+  PetscInt doubles; /* so many are there twice */
 } Mesh;
 
 PetscErrorCode MeshCreate(PetscInt cells, PetscBool graded, Growth growth, PetscReal end_time,

@@ -86,6 +86,22 @@ RodEnds RodEndsOf(const Rod rod) {
   return ends;
 }
 
+/*
+  RodLate - the nodes whose own block may be singular: what holds a tip, or lets a beginning give
+  way, may leave it so. Their number.
+
+  late  room for two of each rod
+*/
+PetscInt RodLate(const Rod rod, PetscInt late[]) {
+  PetscInt n = 0;
+
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    if (RodEndsOf(rod->each[k]).tip_held) late[n++] = rod->at ? rod->at[k + 1] - 1 : rod->last;
+    if (rod->at && RodEndsOf(rod->each[k]).gives_way) late[n++] = rod->at[k];
+  }
+  return n;
+}
+
 /* RodLength - how long the rod is at time t; the longest of several. */
 PetscErrorCode RodLength(const Rod rod, PetscReal t, PetscReal *length) {
   PetscReal one;

@@ -26,6 +26,7 @@ static inline void RodPartNodes(const Rod rod, PetscInt k, PetscInt *begin, Pets
 
 /* its ends, length and units */
 RodEnds RodEndsOf(const Rod rod);
+PetscInt RodLate(const Rod rod, PetscInt late[]);
 PetscErrorCode RodLength(const Rod rod, PetscReal t, PetscReal *length);
 PetscErrorCode RodStiffnessAt(const Rod rod, PetscInt node, PetscReal t, PetscReal *g,
                               PetscReal S[3]);

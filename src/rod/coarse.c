@@ -19,11 +19,25 @@ static void MakeOwn(Scene own, PetscInt nodes, PetscReal *s, PetscBool meets) {
   SceneLinkWalls(own);
 }
 
+/* Of several that go together, one beside each. */
+static PetscErrorCode CoarsenEach(Rod rod, PetscBool meets, Rod *coarse) {
+  Rod *each;
+
+  PetscFunctionBegin;
+  PetscCall(PetscCalloc1(rod->rods, &each));
+  for (PetscInt k = 0; k < rod->rods; k++)
+    PetscCall(RodCoarsen(rod->each[k], rod->each[k]->last + 1, 1, meets, &each[k]));
+  PetscCall(rod->model->again(rod, each, coarse));
+  PetscCall(PetscFree(each));
+  PetscFunctionReturn(0);
+}
+
 /*
   RodCoarsen - a rod of the same scene with fewer nodes, on this rank alone. Not collective; the
   caller ends it with RodCoarseEnd(), before the rod.
 
-  nodes, stride  node k of it is that of stride k, the last one the tip
+  nodes, stride  node k of it is that of stride k, the last one the tip; several that go together
+                 have all their nodes
   meets          it meets itself, if the rod does
 */
 PetscErrorCode RodCoarsen(Rod rod, PetscInt nodes, PetscInt stride, PetscBool meets, Rod *coarse) {
@@ -31,6 +45,10 @@ PetscErrorCode RodCoarsen(Rod rod, PetscInt nodes, PetscInt stride, PetscBool me
   PetscReal *s;
 
   PetscFunctionBegin;
+  if (rod->at) {
+    PetscCall(CoarsenEach(rod, meets, coarse));
+    PetscFunctionReturn(0);
+  }
   PetscCall(SceneShare(rod->scene, &own));
   PetscCall(PetscMalloc1(nodes, &s));
   for (PetscInt k = 0; k < nodes; k++) s[k] = rod->s[PetscMin(k * stride, rod->last)];
@@ -39,16 +57,22 @@ PetscErrorCode RodCoarsen(Rod rod, PetscInt nodes, PetscInt stride, PetscBool me
   PetscFunctionReturn(0);
 }
 
-/* RodCoarseEnd - frees it, and the scene that it has. */
+/* RodCoarseEnd - frees it, and the scene that it has, or each of several. */
 PetscErrorCode RodCoarseEnd(Rod *coarse) {
-  Scene scene;
+  PetscInt n;
+  Scene *scene;
 
   PetscFunctionBegin;
   if (!*coarse) PetscFunctionReturn(0);
-  scene = (*coarse)->scene;
+  n = (*coarse)->rods;
+  PetscCall(PetscMalloc1(n, &scene));
+  for (PetscInt k = 0; k < n; k++) scene[k] = (*coarse)->each[k]->scene;
   PetscCall(RodDestroy(coarse));
-  PetscCall(PetscFree(scene->mesh.s));
-  PetscCall(SceneShareEnd(&scene));
+  for (PetscInt k = 0; k < n; k++) {
+    PetscCall(PetscFree(scene[k]->mesh.s));
+    PetscCall(SceneShareEnd(&scene[k]));
+  }
+  PetscCall(PetscFree(scene));
   PetscFunctionReturn(0);
 }
 
@@ -63,9 +87,8 @@ void RodCoarseTake(Rod coarse, Rod rod, PetscBool meets) {
   own->contact.time = PETSC_MIN_REAL;
 }
 
-/* RodCoarseFollow - its laws are what those of the rod have become: a snap may change friction, and
-   that of contact is the run's, whose mesh it may follow. */
-void RodCoarseFollow(Rod coarse, Rod rod) {
+/* One rod's laws. */
+static void Follow(Rod coarse, Rod rod) {
   const Friction *law = &rod->scene->load.friction;
   const Contact *contact = &rod->scene->contact;
   Scene own = coarse->scene;
@@ -80,7 +103,13 @@ void RodCoarseFollow(Rod coarse, Rod rod) {
   own->contact.time = PETSC_MIN_REAL;
 }
 
-/* RodCoarseGet - such a number. */
+/* RodCoarseFollow - its laws are what those of the rod have become: a snap may change friction, and
+   that of contact is the run's, whose mesh it may follow. */
+void RodCoarseFollow(Rod coarse, Rod rod) {
+  for (PetscInt k = 0; k < rod->rods; k++) Follow(coarse->each[k], rod->each[k]);
+}
+
+/* RodCoarseGet - such a number, of one rod. */
 PetscReal RodCoarseGet(const Rod coarse, CoarseNumber number) {
   const struct _Scene *own = coarse->scene;
 

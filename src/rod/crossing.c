@@ -2,6 +2,7 @@
 #include "base/blocks.h"
 #include "base/plane.h"
 #include "base/vectors.h"
+#include <string.h>
 
 /* Does segment ab cross segment cd? Touching in an end point does not count twice: half-open. */
 static PetscBool SegmentsCross(const Node *ab, const Node *cd) {
@@ -147,6 +148,65 @@ static PetscBool MeetAtJoint(const Motion *self, PetscInt i, PetscInt j) {
   return PETSC_FALSE;
 }
 
+/* On which side of segment b a place a is in a plane with this normal, at a time; is it beside it?
+ */
+static PetscReal SideAt(const Motion *self, PetscInt a, PetscInt b, const PetscReal normal[3],
+                        PetscReal tau, PetscBool *beside) {
+  PetscReal at[3], from[3], to[3], side[3], way[3], n[3];
+
+  Between(self, a, tau, at);
+  Between(self, b, tau, from);
+  Between(self, b + 1, tau, to);
+  Minus3(to, from, side);
+  Minus3(at, from, way);
+  Cross3(side, way, n);
+  *beside = (PetscBool)(Dot3(way, side) >= 0 && Dot3(way, side) < Dot3(side, side));
+  return Dot3(n, normal);
+}
+
+/* Does node a go through segment b, in a plane? Sides are looked at a few times on the way. */
+static PetscBool GoesThrough(const Motion *self, PetscInt a, PetscInt b,
+                             const PetscReal normal[3]) {
+  enum { LOOKS = 8 };
+  PetscBool beside[2];
+  PetscReal side[2];
+
+  side[0] = SideAt(self, a, b, normal, 0, &beside[0]);
+  for (int k = 1; k <= LOOKS; k++) {
+    side[1] = SideAt(self, a, b, normal, (PetscReal)k / LOOKS, &beside[1]);
+    if (side[1] == 0) continue; /* on it: the next look tells */
+    if (side[0] * side[1] < 0 && beside[0] && beside[1]) return PETSC_TRUE;
+    side[0] = side[1];
+    beside[0] = beside[1];
+  }
+  return PETSC_FALSE;
+}
+
+/* Do segments of two rods go through each other in a plane that both lie in all the while? Then an
+   end of one goes through the other. */
+static PetscBool CrossInPlane(const Motion *self, PetscInt i, PetscInt j) {
+  PetscReal r[3], q[3], o[3], n[2][3];
+
+  SidesAt(self, i, j, 0, r, q, o);
+  Cross3(r, q, n[0]);
+  Cross3(r, o, n[1]);
+  if (Dot3(n[1], n[1]) > Dot3(n[0], n[0])) memcpy(n[0], n[1], sizeof(n[0]));
+  for (int e = 0; e < 2; e++)
+    if (GoesThrough(self, i + e, j, n[0]) || GoesThrough(self, j + e, i, n[0])) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Is the volume between two segments, at these times, no more than round-off? */
+static PetscBool ArePlane(const Motion *self, PetscInt i, PetscInt j, const PetscReal f[4]) {
+  PetscReal r[3], q[3], o[3], most = 0;
+
+  if (!self->of || self->of[i] == self->of[j]) return PETSC_FALSE;
+  for (int k = 0; k < 4; k++) most = PetscMax(most, PetscAbsReal(f[k]));
+  SidesAt(self, i, j, 1, r, q, o);
+  return (PetscBool)(most <= 1e-9 * PetscSqrtReal(Dot3(r, r) * Dot3(q, q)) *
+                                 PetscSqrtReal(Dot3(r, r) + Dot3(q, q)));
+}
+
 /* Do segments i and j pass through each other? They do when they lie in a plane, and cross in it.
  */
 static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
@@ -157,6 +217,10 @@ static void MeetMoving(PetscInt i, PetscInt j, void *ctx) {
   if (self->passes || j <= i + 1) return; /* neighbours have a node in common */
   if (self->of && (self->of[i] != self->of[i + 1] || self->of[j] != self->of[j + 1])) return;
   for (int k = 0; k < 4; k++) f[k] = VolumeAt(self, i, j, k / 3.);
+  if (ArePlane(self, i, j, f)) {
+    self->passes = (PetscBool)(CrossInPlane(self, i, j) && !MeetAtJoint(self, i, j));
+    return;
+  }
   pieces = Pieces(f, at);
   for (int k = 0; k < pieces && !self->passes; k++) {
     PetscReal low = at[k], high = at[k + 1], sign = VolumeAt(self, i, j, low);

@@ -91,6 +91,28 @@ typedef struct {
   PetscReal spin[FOOT_UNKNOWNS];
 } Fixed;
 
+/* ... by the stretch of the ends, x' = g q, and by what the material slides by at all points. */
+static void StretchBy(const FootCell *cell, const FootEnd end[2], PetscReal z, const CurveMotion *m,
+                      Fixed *by) {
+  const CurveCell *curve = &cell->curve;
+  PetscReal value[4], slope[4], bend[4], part[3];
+
+  Hermite(z, value, slope, bend);
+  CurveParabola(z, part, NULL);
+  for (int e = 0; e < 2; e++) {
+    const int u = FOOT_STRETCHES * e + FOOT_STRETCH;
+    const PetscReal *q = curve->q[e], along = slope[2 * e + 1] * curve->h * Dot3(m->t, q);
+    for (int d = 0; d < 2; d++) {
+      by->x[d][u] = value[2 * e + 1] * curve->h * q[d];
+      by->slope[d][u] = slope[2 * e + 1] * curve->h * q[d];
+      by->t[d][u] = (by->slope[d][u] - m->t[d] * along) / m->size;
+      by->v[d][u] = m->c * by->t[d][u] + value[2 * e + 1] * curve->h * end[e].stretch_t[d];
+      by->v[d][FOOT_STRETCHES * e + FOOT_SLIDE] = part[2 * e] * m->t[d];
+    }
+  }
+  for (int d = 0; d < 2; d++) by->v[d][FOOT_MID_SLIDE] = part[1] * m->t[d];
+}
+
 ALWAYS_INLINE void FixedBy(int dims, int node, const FootCell *cell, const FootEnd end[2],
                            const Foot *foot, const CurveMotion *m, Fixed *by) {
   const CurveEnd *of[2] = {&end[0].curve, &end[1].curve};
@@ -98,6 +120,7 @@ ALWAYS_INLINE void FixedBy(int dims, int node, const FootCell *cell, const FootE
 
   CurvePlaceBy(dims, node, &cell->curve, of, z, by->x, by->slope);
   CurveMotionBy(dims, node, &cell->curve, of, z, m, by->x, by->slope, by->t, by->v);
+  if (node == FOOT_STRETCHES) StretchBy(cell, end, z, m, by);
   for (int e = 0; e < 2; e++)
     for (int f = 0; f < node; f++) by->spin[node * e + f] = (e ? z : 1 - z) * end[e].spin[f];
 }
@@ -208,7 +231,7 @@ ALWAYS_INLINE void LineariseOne(int dims, int node, const Contact *contact, cons
   FeetPush() has seen, the duals of their friction brought up to the slip first.
 
   end    how the ends of the cell change      fresh  a Newton solve begins
-  slope  by the unknowns of both nodes, three or FOOT_NODE of each
+  slope  by the unknowns of both nodes: FOOT_PLANE, FOOT_STRETCHES or FOOT_NODE of each
 */
 void FeetLinearise(const Contact *contact, const FootCell *cell, const FootEnd end[2],
                    PetscBool fresh, FeetHeld held, Feet *feet, FootSlope slope) {
@@ -218,8 +241,10 @@ void FeetLinearise(const Contact *contact, const FootCell *cell, const FootEnd e
     const Touch *touch = &feet->touch[k];
     Push push = {.couple = 0};
     ContactPushSlope(cell->dims, contact, touch, &at, fresh, DualOf(cell, held, feet, k), &push);
-    if (cell->dims == 2)
-      LineariseOne(2, 3, contact, cell, end, &push, touch, &feet->foot[k], slope);
+    if (cell->stretches)
+      LineariseOne(2, FOOT_STRETCHES, contact, cell, end, &push, touch, &feet->foot[k], slope);
+    else if (cell->dims == 2)
+      LineariseOne(2, FOOT_PLANE, contact, cell, end, &push, touch, &feet->foot[k], slope);
     else
       LineariseOne(3, FOOT_NODE, contact, cell, end, &push, touch, &feet->foot[k], slope);
   }

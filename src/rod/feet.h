@@ -25,12 +25,18 @@
 #include "curve/cell.h"
 #include "scene/scene.h"
 
-/* A node has up to FOOT_NODE unknowns that matter: in the plane place and angle; in space place,
-   quaternion and, by the spin of what slides, moment. */
+/* A node has up to FOOT_NODE unknowns that matter: in the plane place and angle, FOOT_PLANE, and of
+   a cell that stretches FOOT_STRETCHES, its stretch, its slide and (the first node's) that in the
+   middle; in space place, quaternion and, by the spin of what slides, moment. */
 enum {
   FOOT_PARTS = 3,
   FOOT_KINK = 3,
   FOOT_ROWS,
+  FOOT_PLANE = 3,
+  FOOT_STRETCH = FOOT_PLANE,
+  FOOT_SLIDE,
+  FOOT_MID_SLIDE,
+  FOOT_STRETCHES,
   FOOT_NODE = CURVE_NODE,
   FOOT_UNKNOWNS = 2 * FOOT_NODE,
   FOOT_LOAD = 6,
@@ -45,12 +51,14 @@ typedef struct {
       last; /* the rates are known; the cell is the first, the last of the rod */
   PetscReal spin[2];
   PetscReal weight[FOOT_PARTS]; /* of its points, in the equations of the cell: 1/6, 4/6, 1/6 */
+  PetscBool stretches;          /* its stretch and slide are unknowns, too, in the plane */
 } FootCell;
 
-/* How its curve and the spin change with the unknowns of an end. */
+/* How its curve and the spin change with the unknowns of an end; the rate of x' with its stretch.
+ */
 typedef struct {
   CurveEnd curve;
-  PetscReal spin[FOOT_NODE];
+  PetscReal spin[FOOT_NODE], stretch_t[3];
 } FootEnd;
 
 typedef struct {

@@ -71,6 +71,8 @@ typedef struct {
   const Law *law;
   const Point *at[3];
   const LoadSlope *slope[3];
+  const PetscReal (*load)[FOOT_LOAD]; /* what feet do, and its slopes; NULL: there are none */
+  const PetscReal (*feet)[FOOT_LOAD][FOOT_UNKNOWNS];
 } YieldCell;
 
 /* frame_yield.c */

@@ -169,8 +169,35 @@ static void Vary(const Rod rod, const Law *law, const Point *p, const LoadSlope 
  * the cell, and of both slopes. */
 typedef struct {
   Change node, mid;
-  PetscReal own[ALL + 1], at_node[OF_L], at_mid[OF_L];
+  PetscReal own[ALL + 1], at_node[OF_L], at_mid[OF_L], slide[2]; /* at the node, in the middle */
+  Vector2 feet[FOOT_ROWS];                                       /* of what feet do */
 } Column;
+
+/* What feet do changes with the place, the angle and the stretch of a node, and what slides. */
+static void VaryFeet(const YieldCell *cell, int e, Column *of) {
+  const PetscReal by[FOOT_STRETCHES] = {of->own[X1], of->own[X2], of->own[TH], of->own[OF_L],
+                                        of->slide[0]};
+
+  for (int k = 0; k < FOOT_ROWS && cell->feet; k++) {
+    const PetscReal *slope = cell->feet[k][0];
+    Vector2 sum = Times2(of->slide[1], Column2(slope, FOOT_UNKNOWNS, FOOT_MID_SLIDE));
+    for (int f = 0; f < FOOT_MID_SLIDE; f++)
+      sum = Along2(sum, by[f], Column2(slope, FOOT_UNKNOWNS, FOOT_STRETCHES * e + f));
+    of->feet[k] = sum;
+  }
+}
+
+/* Adds to a cell's equations what feet change, but for that of its middle (CellResidual()). */
+static void AddFeet(const Frame *frame, const YieldCell *cell, const Column *of,
+                    PetscReal equations[ALL]) {
+  const Law *law = &cell->law[AT_MID];
+  const Vector2 q = From2(cell->at[AT_MID]->at.q), turn = From2(cell->load[FOOT_KINK]);
+  const PetscReal kink = PetscSqr(cell->h * law->g) * law->flex;
+
+  Add2(Times2(-cell->h * frame->end_weight, Plus2(of->feet[AT_A], of->feet[AT_B])), equations + N1);
+  equations[TH] -= kink * (2 * of->mid.g / law->g * Cross2(q, turn) -
+                           of->mid.theta * Dot2(q, turn) + Cross2(q, of->feet[FOOT_KINK]));
+}
 
 static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unknown, Column *of) {
   const Law *law = cell->law + 2 * e, *mid_law = cell->law + AT_MID;
@@ -185,7 +212,7 @@ static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unkno
   of->own[unknown] = 1;
   turn = shift[TH] * of->own[TH];
   rate = shift[OF_L] * of->own[OF_L];
-  slide = e && cell->tip ? 0 : of->own[OF_V] - law->s * rate;
+  slide = of->slide[0] = e && cell->tip ? 0 : of->own[OF_V] - law->s * rate;
   d->theta = of->own[TH];
   d->m = of->own[M];
   d->g = of->own[OF_L];
@@ -201,12 +228,17 @@ static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unkno
   m->theta = CurveMidOf(k, d->theta, of->at_node[TH]);
   m->m = CurveMidOf(k, d->m, of->at_node[M]);
   m->g = d->g / 2;
-  mid_slide = CurveMidOf(k, of->own[OF_V], of->at_node[OF_V]) - mid_law->s * rate / 2;
+  mid_slide = of->slide[1] =
+      CurveMidOf(k, of->own[OF_V], of->at_node[OF_V]) - mid_law->s * rate / 2;
+  VaryFeet(cell, e, of);
   m->x = CurveMidOf2(k, d->x, From2(of->at_node + X1));
-  m->n = CurveMidOf2(k, d->n, From2(of->at_node + N1));
+  m->n = Along2(CurveMidOf2(k, d->n, From2(of->at_node + N1)), cell->bow,
+                Minus2(of->feet[AT_A], of->feet[AT_B]));
   m->v = Along2(Along2(CurveMidOf2(k, x_t, w), mid_slide, q_mid), m->theta,
                 Times2(mid_law->c, Left2(q_mid)));
   Vary(rod, mid_law, mid, cell->slope[AT_MID], m, of->at_mid);
+  if (cell->feet) /* (which do not go with the stretch as n' does) */
+    Add2(Along2(of->feet[AT_MID], -m->g / mid_law->g, From2(cell->load[AT_MID])), of->at_mid + N1);
 }
 
 /* How the clocks of a cell's places go with an unknown: that of the node, e = w y/g, and that of
@@ -243,6 +275,7 @@ void FrameYieldCell(Rod rod, const YieldCell *cell, PetscReal left[ALL][ALL],
           equations[r] -=
               cell->h * (frame->end_weight * of.at_node[r] + frame->mid_weight * of.at_mid[r]);
       }
+      if (cell->feet) AddFeet(frame, cell, &of, equations);
       Put2(of.mid.x, middle + X1);
       middle[TH] = of.mid.theta;
       middle[M] = of.mid.m;

@@ -431,7 +431,7 @@ PetscErrorCode LearnedSolve(Rod rod, Vec b, Vec x) {
   if (rod->end > rod->last)
     memcpy(k + LearnedSignalPlace(rod) * self->per,
            self->at_tip ? signal : self->rhs + LearnedSignalPlace(rod) * self->per,
-           (size_t)self->bends * sizeof(*k));
+           (size_t)self->per * sizeof(*k));
   PetscCall(LearnedPut(rod, NULL, k, x));
   PetscFunctionReturn(0);
 }

@@ -148,6 +148,8 @@ typedef struct {
   /* what the world does to the owned cells in the state of the latest residual, as the equations
      have it; NULL: an observer knows */
   PetscErrorCode (*bears)(Rod, const RodState *, RodForces *);
+  /* several other rods that go together as these do; they are theirs from then on; NULL: of one */
+  PetscErrorCode (*again)(Rod, Rod each[], Rod *other);
 } RodModel;
 
 /* What strands do to one of several rods, at its points (rod/strands.h), and room for what its

@@ -62,7 +62,7 @@ PetscErrorCode SpaceBears(Rod rod, const RodState *at, RodForces *sum) {
 }
 
 /* SpaceHold - moves the shifts of exact Coulomb friction; creep is the largest speed of what is
-   held. (The clamped end is not held unless it slides: see frame.c.) */
+   held. (The clamped end is not held unless it slides: see frame_memory.c.) */
 PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
   Space_ *self = (Space_ *)rod->data;
   PetscBool ends = (PetscBool)(self->end_weight > 0);
@@ -96,8 +96,8 @@ PetscErrorCode SpaceHold(Rod rod, const RodState *at, PetscReal seen, PetscReal 
 }
 
 /* SpaceRemembers - how many reals a node: its duals and those of the middle of the cell on its
-   right, as a whole, as the frame's (frame.c); the latter's of the last node is the tip's own.
-   Behind them those of the cell's feet. */
+   right, as a whole, as the frame's (frame_memory.c); the latter's of the last node is the tip's
+   own. Behind them those of the cell's feet. */
 PetscInt SpaceRemembers(const Load *load) {
   return 2 * FrictionDualReals(RUBS) * load->duals3;
 }

@@ -464,6 +464,17 @@ static void HandCouples(const struct _Strands *self, const Pair *pair, const Pet
   HandBoth(self, pair, couple[0], couple[1], self->couple);
 }
 
+/* How far the tip of a rod is put off by a contact that gives: a clamped rod that is pushed by d at
+   the distance s along it moves there and at its tip by d and d (1 + 3 (L - s)/(2 s)). */
+static PetscReal Gives(const struct _Strands *self, const Pair *pair) {
+  const Strand *rod = StrandOf(self, pair->at.cell);
+  const PetscReal length = self->arc[rod->first + rod->cells],
+                  s = PetscMax(ArcAt(self, &pair->at), rod->contact->diameter);
+
+  if (pair->p_gap == 0) return 0;
+  return PetscAbsReal(pair->p / pair->p_gap) * (1 + 1.5 * PetscMax(0, length - s) / s);
+}
+
 static void AddToSum(Strands self, const Pair *pair) {
   Strand *rod = &self->rod[self->of[pair->at.cell]];
   const PetscReal U = ContactEnergy(pair->contact, pair->gap),
@@ -479,6 +490,7 @@ static void AddToSum(Strands self, const Pair *pair) {
   if (pair->sample == rod->sample)
     sum->strain += self->c[2 * rod->first] / 2 * U; /* what is fed in comes with it */
   sum->normal += all * pair->p;
+  if (self->meet) sum->gives = PetscMax(sum->gives, Gives(self, pair));
   sum->loss += all * pair->contact->friction * pair->p * pair->rubs;
 }
 

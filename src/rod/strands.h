@@ -78,6 +78,7 @@ typedef struct {
   PetscReal nearest;      /* the smallest gap, if any is small */
   PetscReal at[2], x[3];  /* the labels where it is, and the place between them, */
   PetscInt rod;           /* the rod that the second label is on */
+  PetscReal gives;        /* how far contact that is not rigid may put its tip off */
   PetscInt zones;         /* stretches of the rod that touch what lies farther along it */
 } StrandSum;
 

@@ -271,10 +271,19 @@ static PetscReal Fastest(const Estimate self, const PetscReal *rate) {
   return fastest;
 }
 
+/* The beta of friction; the least of several rods'. */
+static PetscReal LeastBeta(const Estimate self) {
+  PetscReal least = RodCoarseGet(self->rod->each[0], COARSE_BETA);
+
+  for (PetscInt k = 1; k < self->rod->rods; k++)
+    least = PetscMin(least, RodCoarseGet(self->rod->each[k], COARSE_BETA));
+  return least;
+}
+
 /* rhs = -F_U_t b, by a difference so small that friction is straight over it. */
 static PetscErrorCode TimesRate(Estimate self, PetscReal t) {
   const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
-  const PetscReal beta = RodCoarseGet(self->rod, COARSE_BETA);
+  const PetscReal beta = LeastBeta(self);
   const PetscInt n = self->nodes * self->fields;
   const PetscScalar *F, *G;
   const PetscReal most = Fastest(self, self->b);
@@ -308,17 +317,31 @@ static void SubtractDefect(Estimate self) {
       self->rhs[(f < self->left ? k + 1 : k) * fields + f] -= self->all.defect[k * fields + f];
 }
 
+/* The residual G where a number of each scene is more by a part of itself. */
+static PetscErrorCode ResidualBeyond(Estimate self, const RodState *at, CoarseNumber number) {
+  const Rod rod = self->rod;
+  PetscReal *taken;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(rod->rods, &taken));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    taken[k] = RodCoarseGet(rod->each[k], number);
+    RodCoarseSet(rod->each[k], number, (1 + step_rule.derivative_step) * taken[k]);
+  }
+  PetscCall(self->model->residual(rod, at, self->G));
+  for (PetscInt k = 0; k < rod->rods; k++) RodCoarseSet(rod->each[k], number, taken[k]);
+  PetscCall(PetscFree(taken));
+  PetscFunctionReturn(0);
+}
+
 /* rhs -= by what the residual changes while a number of the scene grows by a part of itself. */
 static PetscErrorCode SubtractChange(Estimate self, PetscReal t, CoarseNumber number) {
   const RodState at = {.t = t, .U = self->U, .U_t = self->nudged};
-  const PetscReal taken = RodCoarseGet(self->rod, number);
   const PetscScalar *F, *G;
 
   PetscFunctionBegin;
   PetscCall(VecCopy(self->rate, self->nudged)); /* (the same rates, but no state that is known) */
-  RodCoarseSet(self->rod, number, (1 + step_rule.derivative_step) * taken);
-  PetscCall(self->model->residual(self->rod, &at, self->G));
-  RodCoarseSet(self->rod, number, taken);
+  PetscCall(ResidualBeyond(self, &at, number));
   PetscCall(VecGetArrayRead(self->F, &F));
   PetscCall(VecGetArrayRead(self->G, &G));
   for (PetscInt i = 0; i < self->nodes * self->fields; i++)
@@ -411,14 +434,12 @@ static PetscErrorCode StepErrors(Estimate self, PetscReal t, PetscInt parts,
   PetscFunctionReturn(0);
 }
 
-/* The largest error at t, and does any grow much, to more than is asked of a step? */
-static PetscErrorCode Largest(const Estimate self, PetscReal t, PetscReal *largest,
-                              PetscBool *grows) {
+/* The largest error at t, and does any grow much, to more than is asked of a step? Of one rod. */
+static PetscErrorCode LargestOf(const Estimate self, PetscReal t, PetscReal *largest,
+                                PetscBool *grows) {
   PetscReal seen[ESTIMATE_SEEN] = {0}, change[RIGID_VALUES];
 
   PetscFunctionBegin;
-  *largest = 0;
-  *grows = PETSC_FALSE;
   for (int part = 0; part < ESTIMATE_PARTS; part++) {
     if (!Errs(self, part)) continue;
     PetscCall(EstimateSee(self, t, self->e[part], seen, change));
@@ -429,6 +450,16 @@ static PetscErrorCode Largest(const Estimate self, PetscReal t, PetscReal *large
       *largest = PetscMax(*largest, seen[k]);
     }
   }
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Largest(const Estimate self, PetscReal t, PetscReal *largest,
+                              PetscBool *grows) {
+  PetscFunctionBegin;
+  *largest = 0;
+  *grows = PETSC_FALSE;
+  for (PetscInt k = 0; k < self->rod->rods; k++)
+    PetscCall(LargestOf(self->part ? self->part[k] : self, t, largest, grows));
   PetscFunctionReturn(0);
 }
 
@@ -472,7 +503,8 @@ static PetscErrorCode Advance(Estimate self, PetscReal t) {
   PetscCall(PutState(self));
   PetscCall(StepWhatGrows(self, t, rate, ratio));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
-    if (Errs(self, part)) PetscCall(EstimateCount(self, t, part));
+    for (PetscInt k = 0; k < self->rod->rods && Errs(self, part); k++)
+      PetscCall(EstimateCount(self->part ? self->part[k] : self, t, part));
   PetscFunctionReturn(0);
 }
 
@@ -532,17 +564,10 @@ static PetscErrorCode Share(Estimate self) {
   PetscFunctionReturn(0);
 }
 
-/*
-  EstimateStep - goes on to the state that an accepted step has led to. Collective.
-
-  jumped   the step was a jump: what it adds is not known
-  touches  the rod has touched something, now or before
-*/
-PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) {
+static PetscErrorCode StepOn(Estimate self, PetscBool jumped, PetscBool touches) {
   PetscReal size[MAX_FIELDS], across[MIRRORS], ratio[GROUPS], rate[MIRRORS], times_error = 1, t;
 
   PetscFunctionBegin;
-  if (!self) PetscFunctionReturn(0);
   PetscCall(TSGetTime(self->leg->ts, &t));
   if (touches) PetscCall(EstimateLookAtLayer(self, t));
   PetscCall(RodFieldSizes(self->leg->rod, self->leg->U, size));
@@ -561,6 +586,37 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   self->before = t;
   self->since = 0;
   PetscCall(Share(self));
+  PetscFunctionReturn(0);
+}
+
+/* EstimateGives - what others that press the rod put its tip off by, as their contact gives: errors
+   of it alone do not know of that. */
+void EstimateGives(Estimate self, PetscReal gives) {
+  if (self) self->gives = gives;
+}
+
+/* EstimateAgree - one of all and one of a rod of these are of one time. */
+void EstimateAgree(const Estimate from, Estimate to) {
+  to->touches = from->touches;
+  to->since = from->since;
+  to->watch = from->watch;
+  to->until = from->until;
+  to->before = from->before;
+  to->time = from->time;
+}
+
+/*
+  EstimateStep - goes on to the state that an accepted step has led to, of all rods that hold each
+  other at once. Collective.
+
+  jumped   the step was a jump: what it adds is not known
+  touches  the rod has touched something, now or before
+*/
+PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) {
+  PetscFunctionBegin;
+  if (!self || self->whole) PetscFunctionReturn(0);
+  PetscCall(StepOn(self, jumped, touches));
+  for (PetscInt k = 0; self->part && k < self->rod->rods; k++) EstimateAgree(self, self->part[k]);
   PetscFunctionReturn(0);
 }
 
@@ -607,6 +663,7 @@ PetscErrorCode EstimateSet(Estimate self, PetscReal t,
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
   self->before = self->time = t;
+  if (self->whole) self->whole->before = self->whole->time = t;
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     PetscCall(PetscArraycpy(self->worst[part], worst[part], ESTIMATE_SEEN));
   PetscFunctionReturn(0);

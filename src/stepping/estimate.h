@@ -48,9 +48,11 @@ typedef struct {
 enum { ASTRAY_NUMBERS = sizeof(Astray) / sizeof(PetscReal) };
 
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate);
+PetscErrorCode EstimatePart(Estimate whole, PetscInt k, Leg *leg, Estimate *estimate);
 PetscErrorCode EstimateDestroy(Estimate *estimate);
 PetscErrorCode EstimateSceneChanged(Estimate estimate);
 PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped, PetscBool touches);
+void EstimateGives(Estimate estimate, PetscReal gives);
 PetscErrorCode EstimateTold(Estimate estimate, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 void EstimateLatest(Estimate estimate, PetscReal latest[ESTIMATE_PARTS][ESTIMATE_SEEN],
                     PetscReal rigid[RIGID_VALUES]);

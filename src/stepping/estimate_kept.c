@@ -19,7 +19,7 @@ static PetscErrorCode Spread(Estimate self, PetscInt width, const PetscReal *coa
   for (PetscInt i = rod->first; i < rod->end; i++) {
     const PetscInt k = PetscMin(i / self->stride, self->nodes - 2), a = EstimateFineNode(self, k),
                    b = EstimateFineNode(self, k + 1);
-    const PetscReal z = (s[i] - s[a]) / (s[b] - s[a]);
+    const PetscReal z = i == a || i == b ? i == b : (s[i] - s[a]) / (s[b] - s[a]);
     for (PetscInt f = 0; f < width; f++)
       v[(i - rod->first) * fields + f] = (1 - z) * c[k * width + f] + z * c[(k + 1) * width + f];
   }
@@ -135,5 +135,6 @@ PetscErrorCode EstimateTake(Estimate self, const PetscReal memory[ESTIMATE_MEMOR
     PetscCall(Pick(self, self->fields, errors[part], self->e[part]));
   PetscCall(Pick(self, self->followed, errors[ESTIMATE_PARTS], self->own.local));
   PetscCall(Pick(self, self->fields, errors[ESTIMATE_PARTS + 1], self->own.defect));
+  if (self->whole) EstimateAgree(self, self->whole);
   PetscFunctionReturn(0);
 }

@@ -19,13 +19,14 @@ static PetscErrorCode CreateGathered(const Estimate self, Gathered *g) {
 /* How many cells of the run a coarse one has: an even number, for defects are those of two cells.
    Where that is longer than the layer over which contact presses, at a length of the rod, it is
    one: between longer ones a place where the rod touches would be lost, and what it holds go
-   astray. */
+   astray. So it is of rods that hold each other, whose joints are at nodes. */
 static PetscInt Stride(const Estimate self, PetscReal reach) {
   const Rod rod = self->leg->rod;
   const PetscReal h = reach / rod->last, half = RodLayer(rod) / 2;
   PetscInt most = rod->last / step_rule.estimate_cells;
   PetscReal length = step_rule.estimate_longest * RodUnits(rod)->length;
 
+  if (rod->at) return 1;
   if (self->touches) {
     if (2 * h > half) return 1;
     length = PetscMin(length, half);
@@ -43,11 +44,14 @@ PetscInt EstimateFineNode(const Estimate self, PetscInt k) {
    eliminated. */
 static PetscErrorCode CreateMatrix(Estimate self) {
   const PetscBool held = RodEndsOf(self->rod).tip_held;
-  const PetscInt tip = self->nodes - 1;
+  PetscInt *late, n;
 
   PetscFunctionBegin;
   if (self->rod->coupled && BlockLUCan(self->nodes, self->fields)) {
-    PetscCall(BlockLUCreate(self->nodes, self->fields, held, &tip, &self->J));
+    PetscCall(PetscMalloc1(2 * self->rod->rods, &late));
+    n = RodLate(self->rod, late);
+    PetscCall(BlockLUCreate(self->nodes, self->fields, n, late, &self->J));
+    PetscCall(PetscFree(late));
     PetscCall(KSPCreate(PETSC_COMM_SELF, &self->ksp));
     PetscCall(BlockLUSetSolver(self->ksp));
     PetscFunctionReturn(0);
@@ -64,7 +68,8 @@ static PetscErrorCode CreateCoarse(Estimate self) {
   PetscInt halves[2];
 
   PetscFunctionBegin;
-  PetscCall(RodCoarsen(self->leg->rod, self->nodes, self->stride, self->touches, &self->rod));
+  PetscCall(RodCoarsen(self->leg->rod, self->nodes, self->stride,
+                       (PetscBool)(self->touches || self->leg->rod->at), &self->rod));
   LearnedHalves(self->rod, halves);
   if (self->rod->coupled)
     PetscCall(CreateMatrix(self));
@@ -125,7 +130,8 @@ static PetscErrorCode ChooseMesh(Estimate self, PetscInt stride) {
 /*
   EstimateCreate - follows the errors of a leg's run from its present state on, which has none; NULL
   if its model does not know its defects, or has too few cells. The tip must be known where it is
-  held. Collective; the caller ends it with EstimateDestroy(), before the leg.
+  held. Of several rods that hold each other, which have errors in common, each is looked at by an
+  EstimatePart(). Collective; the caller ends it with EstimateDestroy(), before the leg.
 */
 PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   Estimate self;
@@ -144,6 +150,45 @@ PetscErrorCode EstimateCreate(Leg *leg, Estimate *estimate) {
   self->mirrors = self->model->space ? 2 : 1;
   PetscCall(PetscCalloc1(leg->rod->end - leg->rod->first, &self->defect));
   PetscCall(ChooseMesh(self, Stride(self, RodLongest(leg->rod))));
+  if (leg->rod->at) PetscCall(PetscCalloc1(leg->rod->rods, &self->part));
+  PetscFunctionReturn(0);
+}
+
+/* What is gathered of the nodes from one on. */
+static Gathered From(const Estimate whole, const Gathered *all, PetscInt node) {
+  const PetscInt u = node * whole->fields, rate = node * whole->followed;
+
+  return (Gathered){.u = all->u + u,
+                    .rate = all->rate + u,
+                    .defect = all->defect + u,
+                    .local = all->local + rate,
+                    .skipped = all->skipped + rate};
+}
+
+/* EstimatePart - what those of several rods make of what is seen of rod k, whose leg is a part of
+   theirs; whole NULL: none are followed. It goes on with that of all; the caller ends it with
+   EstimateDestroy(), before that. */
+PetscErrorCode EstimatePart(Estimate whole, PetscInt k, Leg *leg, Estimate *estimate) {
+  Estimate self;
+  PetscInt from;
+
+  PetscFunctionBegin;
+  *estimate = NULL;
+  if (!whole) PetscFunctionReturn(0);
+  from = whole->leg->rod->at[k];
+  PetscCall(PetscNew(&self));
+  *self = *whole;
+  *estimate = whole->part[k] = self;
+  self->leg = leg;
+  self->model = leg->rod->model;
+  self->whole = whole;
+  self->part = NULL;
+  self->nodes = leg->rod->last + 1;
+  self->rod = whole->rod->each[k];
+  self->own = From(whole, &whole->own, from);
+  self->all = From(whole, &whole->all, from);
+  for (int part = 0; part < ESTIMATE_PARTS; part++)
+    self->e[part] = whole->e[part] + from * self->fields;
   PetscFunctionReturn(0);
 }
 
@@ -152,9 +197,12 @@ PetscErrorCode EstimateDestroy(Estimate *estimate) {
 
   PetscFunctionBegin;
   if (!self) PetscFunctionReturn(0);
-  PetscCall(DestroyCoarse(self));
-  PetscCall(PetscFree(self->own.u));
-  PetscCall(PetscFree(self->defect));
+  if (!self->whole) {
+    PetscCall(DestroyCoarse(self));
+    PetscCall(PetscFree(self->own.u));
+    PetscCall(PetscFree(self->defect));
+    PetscCall(PetscFree(self->part));
+  }
   PetscCall(PetscFree(*estimate));
   PetscFunctionReturn(0);
 }
@@ -206,6 +254,7 @@ PetscErrorCode EstimateLookAtLayer(Estimate self, PetscReal t) {
   PetscFunctionBegin;
   if (!first && (self->stride == 1 || self->since)) PetscFunctionReturn(0);
   self->touches = PETSC_TRUE;
+  if (self->part) PetscFunctionReturn(0); /* its mesh is all there is */
   PetscCall(RodLength(self->leg->rod, t, &length));
   stride = Stride(self, length);
   if (first || 2 * stride <= self->stride) PetscCall(EstimateRefine(self, stride));

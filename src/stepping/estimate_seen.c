@@ -91,6 +91,16 @@ PetscErrorCode EstimateSee(const Estimate self, PetscReal t, const PetscReal *e,
   PetscFunctionReturn(0);
 }
 
+/* What others press it by comes on top of what its own contact, which is not rigid, puts it off. */
+static void SeeGives(const Estimate self, PetscReal seen[ESTIMATE_SEEN]) {
+  const PetscInt tip = (self->nodes - 1) * self->fields;
+  PetscReal distance = rod_rule.vanished;
+
+  for (PetscInt d = 0; d <= self->mirrors; d++) distance = hypot(distance, self->all.u[tip + d]);
+  for (int k = 0; k < ESTIMATE_SEEN; k++)
+    if (seen[k] != unknown) seen[k] += self->gives / distance;
+}
+
 /* EstimateIsEarly - is an error of this kind at t one of a start, which does not count? */
 PetscBool EstimateIsEarly(Estimate self, PetscReal t, int k) {
   return (PetscBool)(t - self->began[k] <= step_rule.estimate_early * RodEndTime(self->leg->rod));
@@ -111,6 +121,7 @@ PetscErrorCode EstimateCount(Estimate self, PetscReal t, int part) {
 
   PetscFunctionBegin;
   PetscCall(EstimateSee(self, t, e, seen, change));
+  if (part == ESTIMATE_SOFT && self->gives > 0) SeeGives(self, seen);
   if (part == ESTIMATE_SOFT) PetscCall(PetscArraycpy(self->rigid, change, RIGID_VALUES));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     PetscReal *worst = &self->worst[part][k], told;

@@ -19,6 +19,9 @@ typedef struct {
 
 struct _Estimate {
   Leg *leg;
+  Estimate whole; /* of one rod of several that hold each other: that of all, of which this one has
+                     its part; NULL: none */
+  Estimate *part; /* of all: of each, by the rods of its leg; NULL: of one rod */
   const RodModel *model;
   PetscInt fields, followed, mirrors; /* of a node; those that have rates, first, or all that may;
                                          of those across */
@@ -37,6 +40,7 @@ struct _Estimate {
   PetscReal start[ESTIMATE_PARTS][ESTIMATE_SEEN]; /* before, for a run that ends there */
   PetscReal began[ESTIMATE_SEEN];                 /* when there was nothing of it, at last */
   PetscReal now[ESTIMATE_PARTS][ESTIMATE_SEEN];   /* of the state when e was stepped last */
+  PetscReal gives;                                /* EstimateGives() */
   PetscReal rigid[RIGID_VALUES]; /* what k dU/dk makes of its tip and energy, of itself */
   /* rank 0: the coarse rod; NULL else */
   Rod rod;
@@ -49,6 +53,7 @@ struct _Estimate {
 };
 
 PetscInt EstimateFineNode(const Estimate estimate, PetscInt k);
+void EstimateAgree(const Estimate from, Estimate to);
 PetscErrorCode EstimateRefine(Estimate estimate, PetscInt stride);
 PetscErrorCode EstimateLookAtLayer(Estimate estimate, PetscReal t);
 PetscErrorCode EstimateSee(const Estimate estimate, PetscReal t, const PetscReal *e,

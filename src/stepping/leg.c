@@ -1,5 +1,4 @@
 #include "stepping/leg.h"
-#include "base/lagrange.h"
 #include "rod/ask.h"
 #include "rod/learned.h"
 #include "stepping/guard.h"
@@ -23,7 +22,7 @@ static PetscErrorCode SetToleranceOf(Leg *leg, PetscInt k) {
     const PetscReal least = rod_rule.vanished * RodFieldUnit(rod, f);
     most[f] = rod->model->followed[f] && !(front && f >= rod->learned->mech)
                   ? step_rule.step_share *
-                        PetscMax(leg->ease.times * leg->rtol *
+                        PetscMax(leg->ease.times * leg->of[k].eased * leg->rtol *
                                      PetscMax(leg->of[k].size[f],
                                               step_rule.steering_floor * RodSteered(rod, f)),
                                  least)
@@ -274,188 +273,6 @@ static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
-/* Is there anything across? (Twist alone leaves a rod straight.) */
-static PetscErrorCode IsBent(const Rod rod, Vec U, PetscBool *bent) {
-  PetscReal size[MAX_FIELDS];
-
-  PetscFunctionBegin;
-  *bent = PETSC_FALSE;
-  PetscCall(RodFieldSizes(rod, U, size));
-  for (PetscInt f = 0; f < rod->model->fields; f++)
-    if (rod->model->group[f] != ALONG && rod->model->group[f] != TWIST &&
-        size[f] > rod_rule.vanished)
-      *bent = PETSC_TRUE;
-  PetscFunctionReturn(0);
-}
-
-/* Does a rod in space lie in the plane of x1 and x2, to the last digit? Then none of what happens
-   within the plane can bring it out of that, and no mode that leads out of it is there to be
-   crossed.
- */
-static PetscErrorCode IsPlane(const Rod rod, Vec U, PetscBool *plane) {
-  PetscReal size[MAX_FIELDS];
-
-  PetscFunctionBegin;
-  *plane = rod->model->space;
-  if (!*plane) PetscFunctionReturn(0);
-  PetscCall(RodFieldSizes(rod, U, size));
-  for (PetscInt f = 0; f < rod->model->fields; f++)
-    if (rod->model->group[f] & ACROSS_3 && size[f] > rod_rule.vanished) *plane = PETSC_FALSE;
-  PetscFunctionReturn(0);
-}
-
-/* Do modes of one rod, which can be counted, grow faster than the shift? U is its own. */
-static PetscErrorCode RodCrosses(Leg *leg, PetscInt k, Vec U, PetscBool *crosses,
-                                 PetscBool *known) {
-  const Rod rod = leg->rod->each[k];
-  PetscInt index;
-
-  PetscFunctionBegin;
-  *crosses = PETSC_FALSE;
-  PetscCall(IsPlane(rod, U, &leg->newton.plane));
-  PetscCall(NewtonIndex(&leg->newton, k, &index, known));
-  if (!*known || (index <= 0 && index % 2 == 0)) PetscFunctionReturn(0);
-  PetscCall(IsBent(rod, U, crosses));
-  if (*crosses) PetscCall(PetscInfo(leg->ts, "crosses modes that grow: index %d\n", (int)index));
-  PetscFunctionReturn(0);
-}
-
-/* Do modes of any rod at the latest Jacobian's state grow faster than its shift? known: can those
-   of all be counted? */
-static PetscErrorCode ModesCrossed(Leg *leg, Vec U, PetscBool *crosses, PetscBool *known) {
-  PetscBool one = PETSC_FALSE, seen = PETSC_TRUE;
-  Vec part;
-
-  PetscFunctionBegin;
-  *crosses = PETSC_FALSE;
-  PetscCall(NewtonCounts(&leg->newton, known));
-  if (!*known) PetscFunctionReturn(0);
-  for (PetscInt k = 0; k < leg->rod->rods; k++) {
-    PetscCall(RodPartOpenRead(leg->rod, k, U, &part));
-    PetscCall(RodCrosses(leg, k, part, &one, &seen));
-    PetscCall(RodPartCloseRead(leg->rod, k, U, &part));
-    if (one) *crosses = PETSC_TRUE;
-    if (!seen) *known = PETSC_FALSE;
-  }
-  PetscFunctionReturn(0);
-}
-
-/* Is anything across any rod? */
-static PetscErrorCode AnyIsBent(const Rod all, Vec U, PetscBool *any) {
-  Vec part;
-
-  PetscFunctionBegin;
-  *any = PETSC_FALSE;
-  for (PetscInt k = 0; k < all->rods && !*any; k++) {
-    PetscCall(RodPartOpenRead(all, k, U, &part));
-    PetscCall(IsBent(all->each[k], part, any));
-    PetscCall(RodPartCloseRead(all, k, U, &part));
-  }
-  PetscFunctionReturn(0);
-}
-
-/*
-  CrossesSlippery - would the modes grow, too, if no wall had friction? A first step, and a jump, go
-  far in no time, and friction is against what that was: of a rod that has arrived nothing is told
-  by it. Without it energy is behind the equations again, and a rod that does not give way on
-  slippery walls does not on rough ones. Collective.
-
-  crosses  in: with friction they do
-*/
-static PetscErrorCode CrossesSlippery(Leg *leg, Vec U, PetscBool *crosses) {
-  PetscBool known;
-
-  PetscFunctionBegin;
-  if (!*crosses || !RodRubsOnWalls(leg->rod) || !leg->newton.elimination) PetscFunctionReturn(0);
-  RodMakeSlippery(leg->rod, PETSC_TRUE);
-  PetscCall(NewtonEliminate(&leg->newton, leg->newton.elimination));
-  PetscCall(ModesCrossed(leg, U, crosses, &known));
-  RodMakeSlippery(leg->rod, PETSC_FALSE);
-  PetscCall(NewtonEliminate(&leg->newton, leg->newton.elimination));
-  PetscFunctionReturn(0);
-}
-
-/*
-  CrossesMode - a VBDFCross: does a mode of the rod grow faster than the shift of the step? The
-  elimination has counted them. On a straight rod, x2 = 0, none is there to be crossed. Where they
-  cannot be counted (other models, a free rod), a jump is none that may be taken:
-  the step is cut until its error is seen. (A first step whose error is within the tolerance has
-  changed the rod by less than a crossed mode would that is more than 1e-3 of it.)
-
-  With friction on walls or strands, or other friction across than along, or friction that feels a
-  spin, no energy is behind the equations, and the modes of a state that is frozen are not those of
-  the rod that moves on: what slides along a wall has left a place before a mode of it has grown.
-  There only steps are looked at of which no error is known; likewise where far parts of a rod press
-  on each other, which the count does not know, and where material comes to rest behind a growth
-  zone: frozen, it gives way at once along itself where dry friction is next to exact, but it is
-  laid down faster than that.
-*/
-static PetscErrorCode CrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *crosses) {
-  PetscBool known;
-  Leg *leg;
-
-  PetscFunctionBegin;
-  PetscCall(TSGetApplicationContext(ts, &leg));
-  *crosses = leg->crosses = PETSC_FALSE;
-  if (sight == VBDF_SEEN && !RodHasModes(leg->rod)) PetscFunctionReturn(0);
-  PetscCall(ModesCrossed(leg, U, crosses, &known));
-  PetscCall(CrossesSlippery(leg, U, crosses));
-  if (!known && sight == VBDF_JUMP) PetscCall(AnyIsBent(leg->rod, U, crosses));
-  leg->crosses = *crosses;
-  PetscFunctionReturn(0);
-}
-
-/*
-  LegCrosses - has the step that has led to U crossed a mode that grows, so that to which side the
-  rod gives way is not known? For steppers that do not ask (vbdf does, and takes none that has);
-  false where that cannot be told. Collective.
-*/
-PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses) {
-  PetscBool vbdf, known;
-
-  PetscFunctionBegin;
-  *crosses = PETSC_FALSE;
-  PetscCall(PetscObjectTypeCompare((PetscObject)leg->ts, TSVBDF, &vbdf));
-  if (!vbdf && RodHasModes(leg->rod)) PetscCall(ModesCrossed(leg, U, crosses, &known));
-  PetscFunctionReturn(0);
-}
-
-/* Counts the modes out of the plane that grow faster than a rate: a look, which leaves what
-   Newton's method remembers as it is. */
-static PetscErrorCode CountOutOfPlane(Leg *leg, PetscReal rate, PetscInt *out) {
-  Vec memory = NULL;
-  DM da = NULL;
-
-  PetscFunctionBegin;
-  if (leg->rod->memory) PetscCall(RodCreateMemory(leg->rod, &da, &memory));
-  if (memory) PetscCall(RodRemember(leg->rod, memory));
-  PetscCall(NewtonOutOfPlane(&leg->newton, rate, out));
-  if (memory) PetscCall(RodRecall(leg->rod, memory));
-  PetscCall(VecDestroy(&memory));
-  PetscCall(DMDestroy(&da));
-  PetscFunctionReturn(0);
-}
-
-/*
-  LegLeavesPlane - would a rod in space, which lies in the plane of x1 and x2 to the last digit,
-  leave it if anything pushed it out: do modes that nothing has begun grow by themselves within so
-  much time, at the state of the latest step? False where they cannot be counted. Collective.
-*/
-PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leaves) {
-  PetscBool plane, bent;
-  PetscInt out;
-
-  PetscFunctionBegin;
-  *leaves = PETSC_FALSE;
-  PetscCall(IsPlane(leg->rod, U, &plane));
-  if (!plane) PetscFunctionReturn(0);
-  PetscCall(IsBent(leg->rod, U, &bent));
-  if (!bent) PetscFunctionReturn(0);
-  PetscCall(CountOutOfPlane(leg, 1 / within, &out));
-  *leaves = (PetscBool)(out > 0);
-  PetscFunctionReturn(0);
-}
-
 /* LegSpeed() of one rod. */
 static PetscErrorCode SpeedOf(Rod rod, Vec U_t, PetscReal *speed, PetscBool *begins) {
   const PetscReal before = RodFalls(rod);
@@ -659,6 +476,7 @@ PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg) {
   leg->ease.most = leg->ease.wants = leg->ease.times = 1;
   leg->ease.holds = (PetscBool)(RodIsDry(rod) && RodRubsOnWalls(rod));
   PetscCall(PetscCalloc1(rod->rods, &leg->of));
+  for (PetscInt k = 0; k < rod->rods; k++) leg->of[k].eased = 1;
   PetscCall(DMCreateGlobalVector(leg->rod->da, &leg->U));
   PetscCall(VecDuplicate(leg->U, &leg->tolerance));
   PetscCall(VecDuplicate(leg->U, &leg->none));
@@ -697,7 +515,7 @@ PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg) {
   if (LearnedCarries(leg->rod)) PetscCall(CarryAlong(leg->ts));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
-  PetscCall(VBDFSetCross(leg->ts, CrossesMode));
+  PetscCall(VBDFSetCross(leg->ts, LegCrossesMode));
   PetscCall(NewtonTakesFullSteps(&leg->newton, &full));
   if (touches && full) PetscCall(VBDFSetOtherWay(leg->ts, CutSteps));
   if (RodMayGetFirm(leg->rod)) PetscCall(FirmFromTheStart(leg->ts, leg->rod));
@@ -706,121 +524,6 @@ PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg) {
   else if (MindsTurns(leg->rod))
     PetscCall(VBDFSetCheck(leg->ts, AfterTurn));
   PetscCall(TSSetSolution(leg->ts, leg->U));
-  PetscFunctionReturn(0);
-}
-
-/*
-  LegWithin - the state and its rate at a time within the latest step. Collective.
-
-  known  by the stepper's dense output: PETSc's have none of rates
-*/
-PetscErrorCode LegWithin(Leg *leg, PetscReal t, Vec U, Vec U_t, PetscBool *known) {
-  Vec all[2], mine[2] = {U, U_t};
-  const PetscScalar *from;
-  PetscScalar *to;
-  PetscInt n;
-
-  PetscFunctionBegin;
-  if (!leg->whole) {
-    PetscCall(VBDFInterpolate(leg->ts, t, U, U_t, known));
-    PetscFunctionReturn(0);
-  }
-  for (int i = 0; i < 2; i++) PetscCall(DMGetGlobalVector(leg->whole->rod->da, &all[i]));
-  PetscCall(VBDFInterpolate(leg->ts, t, all[0], all[1], known));
-  PetscCall(VecGetLocalSize(U, &n));
-  for (int i = 0; i < 2 && *known; i++) {
-    PetscCall(VecGetArrayRead(all[i], &from));
-    PetscCall(VecGetArray(mine[i], &to));
-    PetscCall(PetscArraycpy(to, from + leg->from, n));
-    PetscCall(VecRestoreArray(mine[i], &to));
-    PetscCall(VecRestoreArrayRead(all[i], &from));
-  }
-  for (int i = 1; i >= 0; i--) PetscCall(DMRestoreGlobalVector(leg->whole->rod->da, &all[i]));
-  PetscFunctionReturn(0);
-}
-
-/* ---- the leg of one rod of several: what looks at a leg looks at it through this ---- */
-
-/* Its part of a vector of all. */
-static PetscErrorCode Follow(const Leg *self, Vec all, Vec part) {
-  const PetscScalar *a;
-
-  PetscFunctionBegin;
-  PetscCall(VecResetArray(part));
-  PetscCall(VecGetArrayRead(all, &a));
-  PetscCall(VecPlaceArray(part, a + self->from));
-  PetscCall(VecRestoreArrayRead(all, &a));
-  PetscFunctionReturn(0);
-}
-
-/* LegPart - the leg of rod k, which steps as that of all does; the caller ends it with LegPartEnd()
-   before that. Its state is there after LegPartFollow(). */
-PetscErrorCode LegPart(Leg *whole, PetscInt k, Leg *leg) {
-  const Rod all = whole->rod;
-  const PetscInt fields = all->model->fields, n = (all->at[k + 1] - all->at[k]) * fields;
-
-  PetscFunctionBegin;
-  *leg = *whole;
-  leg->whole = whole;
-  leg->rod = all->each[k];
-  leg->of = &whole->of[k];
-  leg->from = all->at[k] * fields;
-  leg->held = leg->tolerance = leg->none = NULL;
-  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, fields, n, NULL, &leg->U));
-  PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, fields, n, NULL, &leg->newton.latest.U_t));
-  leg->newton.latest.U = leg->U;
-  PetscFunctionReturn(0);
-}
-
-/* LegPartFollow - its state is that which the leg of all has come to. */
-PetscErrorCode LegPartFollow(Leg *leg) {
-  const RodState *latest = &leg->whole->newton.latest;
-
-  PetscFunctionBegin;
-  PetscCall(Follow(leg, leg->whole->U, leg->U));
-  if (latest->U_t) PetscCall(Follow(leg, latest->U_t, leg->newton.latest.U_t));
-  leg->newton.latest.t = latest->t;
-  leg->crosses = leg->whole->crosses;
-  leg->passes = leg->whole->passes;
-  leg->passed = leg->whole->passed;
-  PetscFunctionReturn(0);
-}
-
-PetscErrorCode LegPartEnd(Leg *leg) {
-  PetscFunctionBegin;
-  if (!leg->whole) PetscFunctionReturn(0);
-  PetscCall(VecDestroy(&leg->U));
-  PetscCall(VecDestroy(&leg->newton.latest.U_t));
-  *leg = (Leg){.rod = NULL};
-  PetscFunctionReturn(0);
-}
-
-enum { DENSE_POINTS = 7 };
-
-/*
-  LegInterpolate - the state and its rate at a time within the latest step, by the stepper's dense
-  output. Collective.
-
-  end, h  of the step
-
-  PETSc's steppers know no rate: their dense output is a polynomial of degree 6 at most, so seven
-  places over the step have it.
-*/
-PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h, Vec U, Vec U_t) {
-  PetscReal at[DENSE_POINTS], slope[DENSE_POINTS];
-  PetscBool done;
-
-  PetscFunctionBegin;
-  PetscCall(VBDFInterpolate(leg->ts, t, U, U_t, &done));
-  if (done) PetscFunctionReturn(0);
-  for (int k = 0; k < DENSE_POINTS; k++) at[k] = end - h * k / (DENSE_POINTS - 1);
-  LagrangeSlopes(DENSE_POINTS, at, t, slope);
-  PetscCall(VecZeroEntries(U_t));
-  for (int k = 0; k < DENSE_POINTS; k++) {
-    PetscCall(TSInterpolate(leg->ts, at[k], U));
-    PetscCall(VecAXPY(U_t, slope[k], U));
-  }
-  PetscCall(TSInterpolate(leg->ts, t, U));
   PetscFunctionReturn(0);
 }
 

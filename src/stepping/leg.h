@@ -3,6 +3,7 @@
 #define TENDRIL_LEG_H
 
 #include "stepping/newton.h"
+#include "stepping/vbdf.h"
 
 /* The tolerance of steps, as it follows the estimate: see tolerance.c. */
 typedef struct {
@@ -19,6 +20,7 @@ typedef struct {
   PetscReal tried[MAX_FIELDS]; /* where its latest try has led */
   Vector2 axis;                /* along which those of this step are (rod/sizes.c) */
   PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
+  PetscReal eased; /* so many times the tolerance of all is that of its own fields */
 } LegMeasure;
 
 typedef struct Leg {
@@ -47,12 +49,18 @@ PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg);
 PetscErrorCode LegEndAtTurns(Leg *leg);
 PetscErrorCode LegSpeed(Leg *leg, PetscReal *speed, PetscBool *begins);
 PetscErrorCode LegDestroy(Leg *leg);
+
+/* leg_modes.c */
+PetscErrorCode LegCrossesMode(TS ts, Vec U, VBDFSight sight, PetscBool *crosses);
+PetscErrorCode LegCrossesSlippery(Leg *leg, Vec U, PetscBool *crosses);
 PetscErrorCode LegCrosses(Leg *leg, Vec U, PetscBool *crosses);
 PetscErrorCode LegLeavesPlane(Leg *leg, Vec U, PetscReal within, PetscBool *leaves);
+
+/* leg_part.c */
 PetscErrorCode LegWithin(Leg *leg, PetscReal t, Vec U, Vec U_t, PetscBool *known);
+PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h, Vec U, Vec U_t);
 PetscErrorCode LegPart(Leg *whole, PetscInt k, Leg *leg);
 PetscErrorCode LegPartFollow(Leg *leg);
 PetscErrorCode LegPartEnd(Leg *leg);
-PetscErrorCode LegInterpolate(Leg *leg, PetscReal t, PetscReal end, PetscReal h, Vec U, Vec U_t);
 
 #endif

@@ -472,20 +472,16 @@ static PetscErrorCode SetElimination(TS ts, Newton *newton) {
 }
 
 /* The matrix of a rod on one rank that touches itself, or of several that feel each other, and its
-   solver. What holds a tip, or lets a beginning give way, may leave that node's own block singular.
- */
+   solver. */
 static PetscErrorCode SetBlockLU(TS ts, Newton *newton) {
   const Rod rod = newton->rod;
-  PetscInt *late, n = 0;
+  PetscInt *late, n;
   KSP ksp;
   PC pc;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc1(2 * rod->rods, &late));
-  for (PetscInt k = 0; k < rod->rods; k++) {
-    if (RodEndsOf(rod->each[k]).tip_held) late[n++] = rod->at ? rod->at[k + 1] - 1 : rod->last;
-    if (rod->at && RodEndsOf(rod->each[k]).gives_way) late[n++] = rod->at[k];
-  }
+  n = RodLate(rod, late);
   PetscCall(BlockLUCreate(rod->last + 1, rod->model->fields, n, late, &newton->J));
   PetscCall(PetscFree(late));
   PetscCall(SolverOf(ts, &ksp, &pc));

@@ -407,6 +407,23 @@ static PetscErrorCode CheckMeets(const Joint *joint, const char *carrier, const 
   PetscFunctionReturn(0);
 }
 
+/* Refuses two tips each of which is said to hold the other: that is one joint. */
+static PetscErrorCode CheckOnce(const Joints self, PetscInt j, const char *carrier) {
+  const Joint *joint = &self->joint[j];
+
+  PetscFunctionBegin;
+  for (PetscInt i = 0; i < j; i++) {
+    const Joint *other = &self->joint[i];
+    const PetscBool mutual =
+        (PetscBool)(other->rod == joint->carrier && other->carrier == joint->rod);
+    UserCheck(!(mutual && joint->tip && other->tip && joint->label == 1 && other->label == 1),
+              OptionsComm(),
+              "-tip_on %s: the tip of rod %s is held by this one already; leave one of them out",
+              carrier, carrier);
+  }
+  PetscFunctionReturn(0);
+}
+
 /* JointsClose - all rods are there: they are joined as they begin. */
 PetscErrorCode JointsClose(Joints self, Rods rods, const Rod each[]) {
   PetscReal own[FIELDS], of[FIELDS];
@@ -416,6 +433,7 @@ PetscErrorCode JointsClose(Joints self, Rods rods, const Rod each[]) {
     Joint *joint = &self->joint[j];
     PetscCall(NodesOf(joint, each, own, of));
     PetscCall(RodsEnter(rods, joint->rod));
+    PetscCall(CheckOnce(self, j, RodsName(rods, joint->carrier)));
     if (joint->tip) PetscCall(CheckMeets(joint, RodsName(rods, joint->carrier), each, own, of));
     PetscCall(RodsLeave(rods));
     JointsRelate(joint, each, own, of);

@@ -199,6 +199,18 @@ static PetscErrorCode Eliminate(Rod rod, const RodState *at, Elimination elimina
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode Defect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]) {
+  PetscFunctionBegin;
+  PetscCall(Enter(rod, at, NULL));
+  for (PetscInt k = 0; k < rod->rods; k++) {
+    const RodState own = StateOf(rod, k, at);
+    PetscCall(rod->each[k]->model->defect(rod->each[k], &own,
+                                          defect + ((const System *)rod->data)->at[k]));
+  }
+  PetscCall(Leave(rod, NULL));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode Hold(Rod rod, const RodState *at, PetscReal seen, PetscReal *creep) {
   PetscReal one;
 
@@ -248,6 +260,13 @@ static PetscErrorCode Recalled(Rod rod) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < rod->rods; k++)
     if (rod->each[k]->model->recalled) PetscCall(rod->each[k]->model->recalled(rod->each[k]));
+  PetscFunctionReturn(0);
+}
+
+/* (What strands do to others is left out.) */
+static PetscErrorCode Again(Rod rod, Rod each[], Rod *other) {
+  PetscFunctionBegin;
+  PetscCall(SystemCreate(rod->rods, each, ((const System *)rod->data)->joints, NULL, other));
   PetscFunctionReturn(0);
 }
 
@@ -302,11 +321,12 @@ static void MakeModel(const RodModel *of_each, RodModel *model) {
   model->residual = Residual;
   model->jacobian = Jacobian;
   model->eliminate = Eliminate;
-  model->defect = NULL;
+  model->defect = of_each->defect ? Defect : NULL;
   model->hold = of_each->hold ? Hold : NULL;
   model->bears = of_each->bears ? Bears : NULL;
   model->remembered = RememberedAt;
   model->recalled = Recalled;
+  model->again = Again;
 }
 
 /* Rods that feel each other are measured against a part of the longest of them. */

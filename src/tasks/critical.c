@@ -696,7 +696,7 @@ static PetscErrorCode PrintWay(MPI_Comm comm, const Critical *self) {
 }
 
 static PetscErrorCode Print(Scene scene, const Critical *self) {
-  const Mesh labels = {self->n - 1, self->s};
+  const Mesh labels = {.cells = self->n - 1, .s = self->s};
   MPI_Comm comm = scene->comm;
   double cube = (double)(self->length * self->length * self->length);
   char looks[128];

@@ -75,8 +75,8 @@ PetscErrorCode GrowTolerance(PetscBool touches, PetscReal *rtol, PetscReal *most
   if (touches && !given)
     PetscCall(OptionDefault("-contact_rtol", "%.3g", grow_rule.contact_eases * *rtol));
   PetscCall(OptionReal("-contact_rtol", most, &eased));
-  UserCheck(touches || !eased, OptionsComm(),
-            "-contact_rtol: there is nothing to touch; give -wall_file, or -contact_self");
+  UserCheck(touches || !eased, OptionsComm(), "-contact_rtol: there is nothing to touch; %s",
+            ContactRemedy());
   UserCheck(!eased || *most >= *rtol, OptionsComm(),
             "-contact_rtol %g: is below -ts_rtol, %g, and steps are never finer than that; give "
             "a smaller -ts_rtol",

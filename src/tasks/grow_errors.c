@@ -94,7 +94,8 @@ static void Least(const Grow *self, PetscReal least[ESTIMATE_SEEN]) {
     least[k] = self->estimate ? self->now->ease.times * self->rtol : 0;
   least[ESTIMATE_TIP] *=
       PetscMax(grow_rule.tip_least, PetscMin(1, across / PetscMax(distance, rod_rule.vanished)));
-  if (self->scene->tip.type != TIP_FREE) least[ESTIMATE_TIP] = 0;
+  if (self->scene->tip.type != TIP_FREE && self->scene->tip.type != TIP_CARRIED)
+    least[ESTIMATE_TIP] = 0;
 }
 
 /* GrowFollowsErrors - are errors followed over all of the run? */

@@ -16,6 +16,7 @@ typedef struct {
   PetscInt n;
   Scene *scene;
   Leg leg;              /* of all */
+  Estimate estimate;    /* of rods that hold each other; NULL: each has its own */
   Strands strands[2];   /* of those that may touch, for the stepper and for who looks; NULL: none */
   RodSeen looked;       /* the state that the latter know, */
   PetscBool with_rates; /* ... and whether with its rates */
@@ -279,7 +280,10 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   PetscCall(LegPart(&self->leg, k, grow->now));
   grow->now->ease.most = grow->eased / self->rtol;
   PetscCall(LegPartFollow(grow->now));
-  if (!JointsCount(self->joints)) PetscCall(EstimateCreate(grow->now, &grow->estimate));
+  if (JointsCount(self->joints))
+    PetscCall(EstimatePart(self->estimate, k, grow->now, &grow->estimate));
+  else
+    PetscCall(EstimateCreate(grow->now, &grow->estimate));
   PetscCall(ObserverCreate(grow->scene, &grow->observer));
   if (grow->scene->contact.among) ObserverAmong(grow->observer, TellStrands, self, k);
   PetscCall(OutputCreate("", grow->scene, &grow->output));
@@ -397,6 +401,14 @@ static PetscErrorCode ReadEach(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* The tolerance of all is the finest of theirs, and each has its own: what contact puts one off by
+   says nothing of one that is free. */
+static void EaseEach(Run *self, PetscReal finest) {
+  self->leg.ease.times = finest;
+  for (PetscInt k = 0; k < self->n; k++)
+    self->leg.of[k].eased = self->each[k].now->ease.times / finest;
+}
+
 /* One rod goes on. */
 static PetscErrorCode GoOnEach(Run *self, PetscInt k, Vec all[]) {
   const RestartState *state = &self->own[k];
@@ -433,10 +445,10 @@ static PetscErrorCode GoOn(Run *self) {
 
   PetscFunctionBegin;
   PetscCall(RestartTake(self->restart, &self->from, &self->leg));
-  self->leg.ease.times = self->from.ease;
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDuplicate(self->leg.U, &errors[i]));
   PetscCall(RestartReadErrors(self->restart, &self->from, PETSC_COMM_SELF, errors));
   for (PetscInt k = 0; k < self->n; k++) PetscCall(GoOnEach(self, k, errors));
+  EaseEach(self, self->from.ease);
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDestroy(&errors[i]));
   self->t = self->start = self->stored_shape = self->from.t;
   self->snaps = (PetscInt)self->from.kept.snaps;
@@ -451,12 +463,42 @@ static PetscErrorCode GoOn(Run *self) {
 
 /* ---- steps ---- */
 
+/* The errors of rods that hold each other go on. */
+static PetscErrorCode FollowErrors(Run *self) {
+  PetscBool pressed = PETSC_FALSE;
+  PetscInt jumps;
+
+  PetscFunctionBegin;
+  PetscCall(VBDFGetJumps(self->leg.ts, &jumps));
+  for (PetscInt k = 0; k < self->n; k++)
+    if (self->each[k].kept.pressed) pressed = PETSC_TRUE;
+  PetscCall(EstimateStep(self->estimate, (PetscBool)(jumps > self->leg.jumps), pressed));
+  self->leg.jumps = jumps;
+  PetscFunctionReturn(0);
+}
+
+/* What each is put off by, as what presses it gives. */
+static PetscErrorCode TakeGives(Run *self, PetscReal t) {
+  StrandSum on;
+
+  PetscFunctionBegin;
+  if (!self->strands[1]) PetscFunctionReturn(0);
+  PetscCall(KnowStrands(self, t, PETSC_TRUE));
+  for (PetscInt k = 0; k < self->n; k++) {
+    StrandsSum(self->strands[1], k, &on);
+    EstimateGives(self->each[k].estimate, on.gives);
+  }
+  PetscFunctionReturn(0);
+}
+
 /* Looks at all rods, at a time; begins: as they begin. */
 static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
   PetscReal times = PETSC_MAX_REAL;
 
   PetscFunctionBegin;
   self->t = t;
+  if (!begins) PetscCall(TakeGives(self, t));
+  if (!begins) PetscCall(FollowErrors(self));
   for (PetscInt k = 0; k < self->n; k++) {
     Grow *grow = &self->each[k];
     Leg *leg = grow->now;
@@ -464,7 +506,7 @@ static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
     PetscCall(GrowObserve(grow, t, begins ? NULL : leg->U, begins ? NULL : leg->newton.latest.U_t));
     times = PetscMin(times, leg->ease.times);
   }
-  self->leg.ease.times = times;
+  EaseEach(self, times);
   PetscFunctionReturn(0);
 }
 
@@ -748,6 +790,7 @@ static PetscErrorCode Begin(Run *self) {
   PetscCall(TSSetMaxTime(self->leg.ts, self->end));
   PetscCall(TSSetPostStep(self->leg.ts, AfterStep));
   PetscCall(LegEndAtTurns(&self->leg));
+  if (JointsCount(self->joints)) PetscCall(EstimateCreate(&self->leg, &self->estimate));
   for (PetscInt k = 0; k < self->n; k++) {
     PetscCall(RodsEnter(self->rods, k));
     PetscCall(MakeSeen(self, k));
@@ -825,6 +868,7 @@ static PetscErrorCode End(Run *self) {
     PetscCall(EstimateDestroy(&self->each[k].estimate));
     PetscCall(LegPartEnd(&self->each[k].leg[SPACE]));
   }
+  PetscCall(EstimateDestroy(&self->estimate));
   PetscCall(LegDestroy(&self->leg));
   for (int i = 0; i < 2; i++) PetscCall(StrandsDestroy(&self->strands[i]));
   for (PetscInt k = 0; k < self->n && self->scene; k++) PetscCall(SceneDestroy(&self->scene[k]));

@@ -706,7 +706,7 @@ static PetscErrorCode Open(Stability *self, const char *output) {
 
 /* The lengths that are missed by the mesh of the critical time, or by that of the table. */
 static PetscErrorCode TellScales(const Stability *self) {
-  const Mesh labels = {self->critical.n - 1, self->critical.s};
+  const Mesh labels = {.cells = self->critical.n - 1, .s = self->critical.s};
 
   PetscFunctionBegin;
   if (self->critical.n)

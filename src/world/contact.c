@@ -35,6 +35,15 @@ PetscErrorCode ContactMayGetFirm(Contact *contact) {
   PetscFunctionReturn(0);
 }
 
+/* ContactRemedy - what a rod that has nothing to touch is to be given. */
+const char *ContactRemedy(void) {
+  const CommandLine *line = OptionsLine();
+
+  return line && line->taken.sections > 0
+             ? "give -contact_rods, or [pair] with its name, or -wall_file, or -contact_self"
+             : "give -wall_file, or -contact_self";
+}
+
 /*
   ContactSetFromOptions - reads and checks the options of contact and its walls. Collective; the
   caller ends it with ContactDestroy(), also after an error.
@@ -60,10 +69,11 @@ PetscErrorCode ContactSetFromOptions(Contact *contact, PetscBool among, const Fr
   contact->any = (PetscBool)(walls || ContactOfStrands(contact));
   if (contact->any) PetscCall(OptionReal("-accuracy", &contact->accuracy, &contact->fine));
   UserCheck(contact->any || !(rubs || contact->given || thick), OptionsComm(),
-            "%s: there is nothing to touch; give -wall_file, or -contact_self",
+            "%s: there is nothing to touch; %s",
             rubs             ? "-contact_friction"
             : contact->given ? "-contact_stiffness"
-                             : "-contact_diameter");
+                             : "-contact_diameter",
+            ContactRemedy());
   UserCheck(!contact->self || contact->diameter > 0, OptionsComm(),
             "-contact_self: give the rod its -contact_diameter");
   UserCheck(!contact->firm || thick, OptionsComm(),

@@ -38,7 +38,7 @@ typedef struct {
   PetscBool chosen;                 /* whether it does is the user's */
   PetscReal *deepest;               /* of the state whose forces were asked for last, if k may have
                                        to grow: see ContactMayGetFirm(); else NULL */
-  PetscBool slippery;               /* as if no wall had friction, to count modes (leg.c) */
+  PetscBool slippery;               /* as if no wall had friction, to count modes (leg_modes.c) */
   PetscReal diameter;               /* D */
   PetscReal accuracy;               /* that which is asked for */
   PetscReal usual;                  /* force with which the rod is pressed: SceneForce() */
@@ -59,6 +59,7 @@ typedef struct {
 
 extern const OptionGroup contact_options;
 
+const char *ContactRemedy(void);
 PetscErrorCode ContactSetFromOptions(Contact *contact, PetscBool among, const Friction *friction,
                                      PetscReal clamp_angle);
 PetscErrorCode ContactMayGetFirm(Contact *contact);

@@ -3,9 +3,10 @@
 #include "harness.h"
 #include "base/chain.h"
 #include "rod/by_rate.h"
+#include "rod/learned.h"
 #include <petscksp.h>
 
-enum { FIELDS = 6 };
+enum { FIELDS = 6 }; /* where nothing is learned */
 
 typedef struct {
   Scene scene;
@@ -17,7 +18,7 @@ typedef struct {
 } Case;
 
 static void Open(Case *c, const char *options) {
-  PetscInt n;
+  PetscInt n, halves[2];
   Node *nodes;
   Mat none;
   PC pc;
@@ -30,7 +31,7 @@ static void Open(Case *c, const char *options) {
   CHECK(PetscMalloc1(n, &nodes));
   CHECK(RodInitialNodes(c->rod, 0.7, nodes));
   CHECK(DMCreateGlobalVector(c->rod->da, &c->U));
-  CHECK(rod_frame.set(c->rod, 0.7, nodes, c->U));
+  CHECK(c->rod->model->set(c->rod, 0.7, nodes, c->U));
   CHECK(PetscFree(nodes));
   CHECK(VecDuplicate(c->U, &c->U_t));
   CHECK(VecCopy(c->U, c->U_t)); /* growing in proportion */
@@ -38,18 +39,21 @@ static void Open(Case *c, const char *options) {
   CHECK(VecDuplicate(c->U, &c->x));
   CHECK(VecDuplicate(c->U, &c->y));
   CHECK(RodCreateMatrix(c->rod, &c->J));
-  CHECK(EliminationCreate(PETSC_COMM_WORLD, n, rod_frame.halves, &c->elimination));
+  LearnedHalves(c->rod, halves);
+  CHECK(EliminationCreate(PETSC_COMM_WORLD, n, halves, &c->elimination));
   for (int k = 0; k < 2; k++) {
     CHECK(KSPCreate(PETSC_COMM_WORLD, &c->ksp[k]));
     CHECK(KSPSetType(c->ksp[k], KSPPREONLY));
     CHECK(KSPGetPC(c->ksp[k], &pc));
-    if (k)
+    if (k && c->rod->learned)
+      CHECK(LearnedSetType(pc, c->rod, c->elimination));
+    else if (k)
       CHECK(EliminationSetType(pc, c->elimination));
     else
       CHECK(ChainSetType(pc, MATORDERINGNATURAL));
   }
-  CHECK(MatCreateShell(PETSC_COMM_WORLD, n * FIELDS, n * FIELDS, PETSC_DETERMINE, PETSC_DETERMINE,
-                       NULL, &none));
+  n *= c->rod->model->fields;
+  CHECK(MatCreateShell(PETSC_COMM_WORLD, n, n, PETSC_DETERMINE, PETSC_DETERMINE, NULL, &none));
   CHECK(KSPSetOperators(c->ksp[1], none, none));
   CHECK(MatDestroy(&none));
 }
@@ -108,7 +112,7 @@ static void Compare(const char *options) {
     CHECK(RodFieldSizes(c.rod, c.x, size));
     CHECK(VecAXPY(c.x, -1, c.y));
     CHECK(RodFieldSizes(c.rod, c.x, error));
-    for (int f = 0; f < FIELDS; f++)
+    for (int f = 0; f < c.rod->model->fields; f++)
       EXPECT(error[f] <= 1e-10 * size[f] + residual[0], "%s, shift %g, field %d: %g of %g", options,
              shifts[k], f, error[f], size[f]);
   }
@@ -140,6 +144,90 @@ static void TestHard(void **state) {
   Compare("-friction_mu 0");
   Compare("-rod_cells 400 -friction_beta 1e-6 -growth_initial_length 0.01");
   Compare("-rod_cells 400 -growth_initial_length 30");
+}
+
+/* What is learned is eliminated where it is; where growth feels force its speed and length go along
+   the rod, on one rank, past posts between its nodes, too. */
+static void TestLearned(void **state) {
+  static const char *const senses[] = {"", "-tropism_sensed tip -tropism_memory 0.4",
+                                       "-tropism_light 1 -tropism_source 4,5 -tropism_memory 0.4"};
+  static const char *const grows[] = {"uniform", "feed -tropism_rate 0.7",
+                                      "apical -growth_zone 0.5"};
+  char options[400], post[64];
+  PetscMPIInt ranks;
+
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  WriteWalls(post, "circle 0.2844 0.4475 0.01 outside friction 0.5\n");
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(senses); k++)
+    for (int yields = 0; yields < (ranks > 1 ? 1 : 2); yields++) {
+      (void)snprintf(options, sizeof(options),
+                     "-growth_type %s %s -tropism_gravity 2 -tropism_direction 0.3,-1 "
+                     "-tropism_proprioception 1.5 %s",
+                     grows[k], yields ? "-growth_yield 30" : "", senses[k]);
+      Compare(options);
+    }
+  (void)snprintf(
+      options, sizeof(options),
+      "-growth_yield 30 -shape_amplitude 1.5 -clamp_angle 0.3 -rod_cells 12 -wall_file %s "
+      "-contact_diameter 0.05 -contact_stiffness 4e3",
+      post);
+  if (ranks == 1) Compare(options);
+  RemoveFile(post);
+}
+
+/* A line of nodes of any sizes that there are, whose cells are near those of fine ones: each
+   equation is met. */
+static void TestHalves(void **state) {
+  enum { CELLS = 30, MOST = HALVES_MOST };
+  static const PetscInt sizes[][2] = {{7, 6}, {4, 4}, {8, 7}};
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(sizes); k++) {
+    const PetscInt top = sizes[k][0], all = top + sizes[k][1];
+    PetscReal cell[CELLS][2][MOST * MOST], own[MOST * MOST], x[(CELLS + 1) * MOST],
+        b[(CELLS + 1) * MOST], first[MOST * MOST];
+    PetscInt n = 0;
+    Halves line;
+
+    assert_true(HalvesCan(sizes[k]));
+    CHECK(HalvesCreate(CELLS + 1, sizes[k], &line));
+    HalvesBegin(line);
+    for (PetscInt i = 0; i < top * all; i++)
+      first[i] = HalvesFirst(line)[i] += 0.3 * Scatter(11, n++);
+    for (PetscInt i = 0; i < CELLS; i++) {
+      PetscReal *at[2];
+      HalvesBlocks(line, &at[0], &at[1]);
+      for (int e = 0; e < 2; e++)
+        for (PetscInt j = 0; j < all * all; j++)
+          cell[i][e][j] = at[e][j] = (j % (all + 1) ? 0 : 2 * e - 1) + 0.1 * Scatter(12, n++);
+      HalvesCell(line);
+    }
+    for (PetscInt i = 0; i < (all - top) * all; i++)
+      own[i] = (i % all == top + i / all) + 0.3 * Scatter(13, n++);
+    HalvesEnd(line, own);
+    assert_true(HalvesRegular(line));
+    for (PetscInt i = 0; i < (CELLS + 1) * all; i++) b[i] = Scatter(14, i);
+    HalvesSolve(line, b, x);
+    for (PetscInt i = 0; i < (CELLS + 1) * all; i++) {
+      const PetscInt node = i / all, f = i % all, from = f < top ? node - 1 : node;
+      const PetscReal *row[2] = {from < 0 ? first + f * all : NULL,
+                                 from == CELLS ? own + (f - top) * all : NULL};
+      PetscReal sum = -b[i], size = 0;
+      for (int e = 0; e < 2; e++) {
+        const PetscReal *by = from < 0 || from == CELLS ? row[e] : cell[from][e] + f * all,
+                        *at = x + (from < 0        ? 0
+                                   : from == CELLS ? from
+                                                   : from + e) *
+                                      all;
+        for (PetscInt j = 0; j < all && by; j++) {
+          sum += by[j] * at[j];
+          size += PetscAbsReal(by[j] * at[j]);
+        }
+      }
+      EXPECT(PetscAbsReal(sum) <= 1e-10 * (1 + size), "%d + %d, node %d, equation %d: %g of %g",
+             (int)top, (int)(all - top), (int)node, (int)f, sum, size);
+    }
+    CHECK(HalvesDestroy(&line));
+  }
 }
 
 /* The index of a case whose state is set, at this shift; closes it. */
@@ -249,7 +337,8 @@ static void TestHeld(void **state) {
   }
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestModel), cmocka_unit_test(TestWorld),
-                                          cmocka_unit_test(TestHard),  cmocka_unit_test(TestIndex),
-                                          cmocka_unit_test(TestHeld),  cmocka_unit_test(TestEnds)};
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestHalves), cmocka_unit_test(TestLearned), cmocka_unit_test(TestModel),
+    cmocka_unit_test(TestWorld),  cmocka_unit_test(TestHard),    cmocka_unit_test(TestIndex),
+    cmocka_unit_test(TestHeld),   cmocka_unit_test(TestEnds)};
 MAIN(tests)

@@ -70,6 +70,9 @@ class Several(unittest.TestCase):
         tip = r["a"].shapes
         self.assertEqual(tip.s[-1], tip.s[-2])
         self.assertLess(np.abs(np.diff(tip.moment[-1, -2:], axis=0) - joint.moment[-1] * (0, 0, -1)).max(), 1e-9)
+        marks = [(line.get_marker(), *np.ravel(line.get_data_3d())) for line in tendril.draw(r).axes[0].lines]
+        self.assertEqual([mark[0] for mark in marks if mark[0] in "so"], ["s", "s", "o"])  # two clamps, a joint
+        self.assertTrue(np.allclose([mark[1:] for mark in marks if mark[0] == "o"], [(0, 2, 0)]))
         with self.assertRaisesRegex(tendril.errors.ResultsError, "do not hold each other"):
             self.r.joints
 

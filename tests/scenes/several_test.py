@@ -159,6 +159,7 @@ def a_run_that_was_stopped_goes_on_to_the_last_digit():
 
 
 REFUSED = [  # (lines of a scene, more words, what is said)
+    ("[rod a]\n-contact_diameter 0.1\n[rod b]\n-clamp_place 0,1,0\n", "", "line 2, rod a: -contact_diameter: there is nothing to touch; give -contact_rods, or [pair]"),
     ("[rod a]\n-friction_nu 1\n", "", "several.opts, line 2, rod a: -friction_nu: unknown option, did you mean -friction_mu?"),
     ("[rod a]\n\n-rod_curvature x\n", "", "several.opts, line 3, rod a: -rod_curvature x: give a number"),
     ("[rod a]\n-ts_max_time 3\n", "", "several.opts, line 2, rod a: -ts_max_time: is of the scene as a whole"),

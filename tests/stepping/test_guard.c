@@ -164,7 +164,32 @@ static void TestPassesItself(void **state) {
     EXPECT(PassesItself(way[k].from, way[k].to) == way[k].passes, "way %d", (int)k);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPassesItself),
-                                          cmocka_unit_test(TestSweeps), cmocka_unit_test(TestCuts),
-                                          cmocka_unit_test(TestOneRankKnows)};
+/* Two rods that lie in one plane: one that goes through the other is seen, lengthways and across,
+   and what slides beside it or goes round it is not. */
+static void TestPassInPlane(void **state) {
+  const PetscInt of[5] = {0, 0, 0, 1, 1};
+  const struct {
+    PetscReal from[2][2], to[2][2]; /* of the second, x1 and x2; the first lies along x1 */
+    PetscBool passes;
+  } way[] = {{{{0.2, 2}, {0.2, 0.1}}, {{0.2, 2}, {0.2, -0.1}}, PETSC_TRUE},
+             {{{-0.5, 0.1}, {0.5, 0.1}}, {{-0.5, -0.1}, {0.5, -0.1}}, PETSC_TRUE},
+             {{{0.2, 2}, {0.2, 0.1}}, {{0.7, 2}, {0.7, 0.01}}, PETSC_FALSE},
+             {{{1.2, 2}, {1.2, 0.1}}, {{1.2, 2}, {1.2, -0.1}}, PETSC_FALSE}};
+  for (size_t k = 0; k < sizeof(way) / sizeof(way[0]); k++) {
+    Node there[2][5] = {{{{0}}}};
+    PetscBool passes;
+    for (int i = 0; i < 3; i++) there[0][i].x[0] = there[1][i].x[0] = i - 1;
+    for (int i = 0; i < 2; i++)
+      for (int d = 0; d < 2; d++) {
+        there[0][3 + i].x[d] = way[k].from[i][d];
+        there[1][3 + i].x[d] = way[k].to[i][d];
+      }
+    CHECK(RodPassesItself(5, of, there[0], there[1], &passes));
+    EXPECT(passes == way[k].passes, "way %d", (int)k);
+  }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestPassInPlane), cmocka_unit_test(TestPassesItself),
+    cmocka_unit_test(TestSweeps), cmocka_unit_test(TestCuts), cmocka_unit_test(TestOneRankKnows)};
 MAIN(tests)
