@@ -115,9 +115,9 @@ static void TestFeetWander(void **state) {
   for (PetscInt foot = 39; foot <= 41; foot++) {
     const PetscInt pair[2][2] = {{10, 40}, {10, foot}};
     for (int k = 0; k < 2; k++) {
-      PetscInt(*near)[2];
+      CellPair *near;
       CHECK(PetscMalloc1(1, &near));
-      CHECK(PetscArraycpy(near[0], pair[k], 2));
+      *near = (CellPair){pair[k][0], pair[k][1]};
       CHECK(CoupledPattern(rod, coupled, (PetscBool)!k, 1, near, J));
       FillRows(rod, pair[k][0], pair[k], J);
       FillRows(rod, pair[k][1], pair[k], J);
