@@ -257,6 +257,7 @@ static PetscBool ByTurns(const Grow *self) {
  */
 PetscErrorCode GrowAfterStep(TS ts) {
   TSConvergedReason reason;
+  PetscInt steps, most;
   PetscReal t;
   Grow *self;
 
@@ -265,8 +266,13 @@ PetscErrorCode GrowAfterStep(TS ts) {
   if (reason < 0) PetscFunctionReturn(0); /* called after a step that failed, too */
   PetscCall(Self(ts, &self));
   PetscCall(TSGetTime(ts, &t));
-  if (!reason && t >= self->scene->end_time) { /* newer PETSc leaves that to TSSolve() */
-    reason = TS_CONVERGED_TIME;
+  PetscCall(TSGetStepNumber(ts, &steps));
+  PetscCall(TSGetMaxSteps(ts, &most));
+  if (!reason) { /* newer PETSc leaves that to TSSolve() */
+    if (steps >= most)
+      reason = TS_CONVERGED_ITS;
+    else if (t >= self->scene->end_time)
+      reason = TS_CONVERGED_TIME;
     PetscCall(TSSetConvergedReason(ts, reason));
   }
   self->waits = (PetscBool)(ByTurns(self) && t > self->until * (1 + grow_rule.same_time));

@@ -294,6 +294,8 @@ class Played(unittest.TestCase):
                 within = tendril.run(**options, change_file=table)  # a step ends where no step of a run without it does
                 self.assertIn(0.777, within.series["t"])
                 self.assertEqual(within.series["t"][-1], 0.9)
+                with self.assertRaisesRegex(tendril.RunError, "ts_max_steps: reached"):
+                    tendril.run(**options, change_file=table, ts_max_steps=9)
 
     def test_what_it_does(self):
         fed, stones, held = (self.play(PLAYED[name][0] | dict(rod_cells=60), PLAYED[name][1])[0] for name in ("fed", "stones", "held"))
