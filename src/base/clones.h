@@ -17,4 +17,15 @@
 /* Left to itself the compiler makes vectors of other loops, and shuffles. */
 typedef PetscReal Four __attribute__((vector_size(4 * sizeof(PetscReal)), aligned(8), may_alias));
 
+/* C += s A B, of sizes known when compiled. */
+ALWAYS_INLINE void AddProduct(int rows, int inner, int columns, PetscReal s,
+                              const PetscReal *restrict A, int lda, const PetscReal *restrict B,
+                              int ldb, PetscReal *restrict C, int ldc) {
+  for (int i = 0; i < rows; i++)
+    for (int k = 0; k < inner; k++) {
+      const PetscReal a = s * A[i * lda + k];
+      for (int j = 0; j < columns; j++) C[i * ldc + j] += a * B[k * ldb + j];
+    }
+}
+
 #endif

@@ -138,17 +138,6 @@ ALWAYS_INLINE void DivideByFactors(int n, const PetscReal *S, const int row[], c
     for (int r = 0; r < n; r++) E[r * n + row[j]] = z[j][r];
 }
 
-/* C = A Q, C -= A P, and so on, of the sizes that occur. */
-ALWAYS_INLINE void Times(int rows, int inner, int columns, PetscReal sign,
-                         const PetscReal *restrict A, int lda, const PetscReal *restrict B, int ldb,
-                         PetscReal *restrict C, int ldc) {
-  for (int i = 0; i < rows; i++)
-    for (int k = 0; k < inner; k++) {
-      PetscReal a = sign * A[i * lda + k];
-      for (int j = 0; j < columns; j++) C[i * ldc + j] += a * B[k * ldb + j];
-    }
-}
-
 /* Eliminates the node before the next cell, whose equations by it are known. */
 ALWAYS_INLINE void Cell(Halves line, int top, int own) {
   const int all = top + own;
@@ -161,21 +150,21 @@ ALWAYS_INLINE void Cell(Halves line, int top, int own) {
     for (int j = 0; j < own; j++) at.Q[i * own + j] = a[(top + i) * all + top + j];
   if (!Invert(own, at.Q)) line->regular = PETSC_FALSE;
   memset(at.N, 0, (size_t)(top * own) * sizeof(PetscReal));
-  Times(top, own, own, 1, at.T + top, all, at.Q, own, at.N, own);
+  AddProduct(top, own, own, 1, at.T + top, all, at.Q, own, at.N, own);
   for (int i = 0; i < top; i++)
     for (int j = 0; j < top; j++) at.S[i * top + j] = at.T[i * all + j];
-  Times(top, own, top, -1, at.N, own, a + top * all, all, at.S, top);
+  AddProduct(top, own, top, -1, at.N, own, a + top * all, all, at.S, top);
   if (!Factor(top, at.S, row)) line->regular = PETSC_FALSE;
   memset(at.F, 0, (size_t)(top * own) * sizeof(PetscReal));
-  Times(top, own, own, 1, a + top, all, at.Q, own, at.F, own);
+  AddProduct(top, own, own, 1, a + top, all, at.Q, own, at.F, own);
   for (int i = 0; i < top; i++)
     for (int j = 0; j < top; j++) L[i * top + j] = a[i * all + j];
-  Times(top, own, top, -1, at.F, own, a + top * all, all, L, top);
+  AddProduct(top, own, top, -1, at.F, own, a + top * all, all, L, top);
   DivideByFactors(top, at.S, row, L, at.E);
-  Times(top, top, own, -1, at.E, top, at.N, own, at.F, own);
+  AddProduct(top, top, own, -1, at.E, top, at.N, own, at.F, own);
   const Parts next = PartsOf(top, own, line->link + line->n * line->reals);
   memcpy(next.T, b, (size_t)(top * all) * sizeof(PetscReal));
-  Times(top, own, all, -1, at.F, own, b + top * all, all, next.T, all);
+  AddProduct(top, own, all, -1, at.F, own, b + top * all, all, next.T, all);
 }
 
 /* y = A^-1 v of a node, in place */

@@ -14,17 +14,6 @@ struct _WideLine {
   PetscReal own[OWN][ALL]; /* the last node's own equations */
 };
 
-/* C += sign A B */
-ALWAYS_INLINE void Times(int rows, int inner, int columns, PetscReal sign,
-                         const PetscReal *restrict A, int lda, const PetscReal *restrict B, int ldb,
-                         PetscReal *restrict C, int ldc) {
-  for (int i = 0; i < rows; i++)
-    for (int k = 0; k < inner; k++) {
-      PetscReal a = sign * A[i * lda + k];
-      for (int j = 0; j < columns; j++) C[i * ldc + j] += a * B[k * ldb + j];
-    }
-}
-
 /* WideCreate - for so many nodes at most; the caller ends it with WideDestroy(). */
 PetscErrorCode WideCreate(PetscInt nodes, WideLine *line) {
   static const PetscInt halves[2] = {TOP, OWN};
@@ -252,7 +241,7 @@ static PetscBool Stiffness(WideLine line, PetscInt node, Six K) {
 
   Skew(arms + 1, skew); /* m_b = - [m/2] turn_b */
   memset(turned, 0, sizeof(turned));
-  Times(OWN, OWN, TOP, -1, skew[0], OWN, arms[1].way[0], TOP, turned[0], TOP);
+  AddProduct(OWN, OWN, TOP, -1, skew[0], OWN, arms[1].way[0], TOP, turned[0], TOP);
   for (int i = 0; i < ALL; i++) {
     for (int j = 0; j < TOP; j++) {
       A[i * ALL + j] = b[i][j];

@@ -41,17 +41,6 @@ static void KinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][
   }
 }
 
-/* C += s A B, of sizes known when compiled. */
-ALWAYS_INLINE void AddProduct(int rows, int inner, int columns, PetscReal s,
-                              const PetscReal *restrict A, int lda, const PetscReal *restrict B,
-                              int ldb, PetscReal *restrict C, int ldc) {
-  for (int i = 0; i < rows; i++)
-    for (int k = 0; k < inner; k++) {
-      const PetscReal a = s * A[i * lda + k];
-      for (int j = 0; j < columns; j++) C[i * ldc + j] += a * B[k * ldb + j];
-    }
-}
-
 /* The derivatives at a point, its load's brought up to the present state first. By v and spin they
    are not part of f: see AddVelocity(). */
 WIDE_VECTORS static void Linearise(const Cell *cell, const Law *law, const Point *p,
