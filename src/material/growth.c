@@ -85,6 +85,14 @@ PetscErrorCode GrowthDepartFed(Growth self, PetscReal t, PetscReal before, Petsc
   PetscFunctionReturn(0);
 }
 
+/* GrowthFrontFed - ... and so does the front between them and what has come in. */
+PetscReal GrowthFrontFed(Growth self, PetscReal t) {
+  PetscReal length;
+
+  (void)GrowthLength(self, t, &length, NULL);
+  return 1 - self->initial_length / length;
+}
+
 static PetscErrorCode CreateFeed(Growth self) {
   PetscFunctionBegin;
   PetscCall(CreateUniform(self));
@@ -94,6 +102,7 @@ static PetscErrorCode CreateFeed(Growth self) {
   self->strain = StrainFeed;
   self->origin = OriginFeed;
   self->depart = GrowthDepartFed;
+  self->front = GrowthFrontFed;
   PetscFunctionReturn(0);
 }
 

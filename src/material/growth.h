@@ -34,6 +34,9 @@ struct _Growth {
      array; below 0: not in yet */
   PetscErrorCode (*depart)(Growth, PetscReal t, PetscReal before, PetscInt n, const PetscReal s[],
                            PetscReal from[]);
+  /* the label of the front between what was there at first and what has been fed in since; NULL:
+     nothing is, or it is pulled out again */
+  PetscReal (*front)(Growth, PetscReal t);
   /* the first time behind t at which its length sets out, stops or turns back; NULL: never */
   PetscReal (*next_turn)(Growth, PetscReal t);
   /* adds the times at which it bends (base/bends.h); NULL: nothing is given by rows in time */
@@ -55,6 +58,7 @@ PetscErrorCode GrowthArc(Growth growth, PetscInt n, const PetscReal s[], PetscRe
 PetscErrorCode GrowthLength(Growth growth, PetscReal t, PetscReal *length, PetscReal *length_t);
 PetscErrorCode GrowthLongest(Growth growth, PetscReal end, PetscReal *length);
 const char *GrowthOutlook(Growth growth);
+PetscReal GrowthFrontFed(Growth growth, PetscReal t);
 PetscErrorCode GrowthDestroyData(Growth growth);
 PetscErrorCode GrowthDepartFed(Growth growth, PetscReal t, PetscReal before, PetscInt n,
                                const PetscReal s[], PetscReal from[]);
@@ -91,6 +95,11 @@ static inline PetscReal GrowthSpeed(Growth growth, PetscReal s, PetscReal t, Pet
 /* How fast the material there stretches, times g: g_t + c_s. */
 static inline PetscReal GrowthStrain(Growth growth, PetscReal s, PetscReal t, PetscReal g_t) {
   return growth->slides ? growth->strain(growth, s, t) : g_t;
+}
+
+/* The label of the front of what is fed in, of a law that has one. */
+static inline PetscReal GrowthFront(Growth growth, PetscReal t) {
+  return growth->front(growth, t);
 }
 
 /* Where material slides: the distance from the tip that the material there had at the start (of fed

@@ -161,6 +161,7 @@ PetscErrorCode GrowthFeedByPath(Growth self) {
   self->strain = StrainPath;
   self->origin = OriginPath;
   self->depart = GrowthDepartFed;
+  self->front = NextTurn(self, 0) < PETSC_MAX_REAL ? NULL : GrowthFrontFed;
   PetscCall(CheckLengths(self, file));
   PetscFunctionReturn(0);
 }
@@ -241,6 +242,7 @@ PetscErrorCode GrowthFeedOn(Growth self, PetscReal t, PetscReal speed) {
   self->similar = PETSC_FALSE;
   self->next_turn = FedStops;
   self->bends = NULL;
+  self->front = NULL;
   self->jerks = FedJerks;
   self->stretch = StretchFed;
   self->arc = ArcFed;

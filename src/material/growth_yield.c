@@ -227,6 +227,14 @@ static PetscErrorCode DepartYield(Growth self, PetscReal t, PetscReal before, Pe
   PetscFunctionReturn(0);
 }
 
+/* The front of what is fed in, in the states that are kept; of another one by its own length. */
+static PetscReal FrontYield(Growth self, PetscReal t) {
+  const Yield *yield = YieldOf(self);
+
+  if (!yield->m || t == yield->t) return GrowthFrontFed(self, t);
+  return 1 - self->initial_length / AtTime(yield, t);
+}
+
 /*
   GrowthYieldSee - what a state says of it, at all of its nodes, on every rank.
 
@@ -335,5 +343,6 @@ PetscErrorCode GrowthYields(Growth self) {
   self->strain = StrainYield;
   self->origin = OriginYield;
   self->depart = DepartYield;
+  self->front = fed ? FrontYield : NULL;
   PetscFunctionReturn(0);
 }

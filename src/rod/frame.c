@@ -53,6 +53,7 @@ static PetscErrorCode FrameResidual(Rod rod, const RodState *at, Vec F) {
     if (rod->learned) FrameLearnedResidual(rod, i, cell.h, cell.a, cell.mid, cell.b);
     CellResidual(frame, &cell, cell.u[i], cell.u[i + 1],
                  frame->feet ? (const PetscReal(*)[FOOT_LOAD])frame->feet[i - first + 1] : NULL, r);
+    if (LearnedCornerOf(rod, i)) r[TH] -= cell.law->g * LearnedCornerOf(rod, i)->turn[0];
     if (frame->yields) FrameYieldResidual(rod, i, cell.h, cell.a, cell.mid, cell.b);
     if (frame->yields && i == 0) FrameYieldEnds(rod, 0, cell.a);
     if (i >= first) PetscCall(PetscArraycpy(&F_[i][M], &r[M], 3));
@@ -163,7 +164,8 @@ static PetscErrorCode FrameCreate(Rod rod) {
   rod->data = frame;
   frame->yields = (PetscBool)(rod->scene->growth->yield > 0);
   if (rod->model->fields > FIELDS)
-    PetscCall(LearnedCreate(rod, FIELDS, frame->yields ? YIELD_FIELDS - FIELDS : 0, 1));
+    PetscCall(
+        LearnedCreate(rod, FIELDS, frame->yields ? YIELD_FIELDS - FIELDS : 0, 1, FrameLearnedSees));
   UserCheck(!frame->yields || rod->order == 4, rod->scene->comm,
             "-rod_order 2: -growth_yield needs order 4");
   if (rod->scene->contact.walls.posts) PetscCall(PetscCalloc1(points / 2, &frame->feet));

@@ -90,6 +90,7 @@ void FrameYieldCell(Rod rod, const YieldCell *cell, PetscReal left[YIELD_FIELDS]
 PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);
 
 /* frame_learned.c */
+PetscErrorCode FrameLearnedSees(Rod rod, PetscReal t, const PetscReal u[], LearnedPoint *point);
 void FrameLearnedLaws(Rod rod, PetscReal t);
 PetscErrorCode FrameLearnedOpen(Rod rod, const RodState *at);
 void FrameLearnedResidual(Rod rod, PetscInt i, PetscReal h, const Point *p, const Point *mid,

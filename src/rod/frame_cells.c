@@ -18,19 +18,23 @@ static inline void PointAtNode(const Load *load, const Law *law, const FrictionD
   PointEvaluate(load, law, dual, p);
 }
 
-/* The point in the middle of a cell between a and b; k = bow h. */
+/* The point in the middle of a cell between a and b; k = bow h; corner: see LearnedFrontTurns().
+   (It goes along with the material, whose velocity has none: that of labels has the opposite.) */
 static void PointAtMid(const Load *load, const Law law[3], const FrictionDual *dual, PetscReal k,
-                       const Point *a, const Point *b, const PetscReal *ua_t, const PetscReal *ub_t,
-                       Point *p) {
-  const PetscReal theta = CurveMid(k, a->theta, a->f[TH], b->theta, b->f[TH]);
-  const Vector2 q = Direction2(theta), wa = VelocitySlope(&law[AT_A], a, ua_t[TH]),
+                       PetscReal corner, const Point *a, const Point *b, const PetscReal *ua_t,
+                       const PetscReal *ub_t, Point *p) {
+  const PetscReal smooth = CurveMid(k, a->theta, a->f[TH], b->theta, b->f[TH]),
+                  theta = smooth + corner;
+  const Vector2 q = Direction2(theta), along = corner == 0 ? q : Direction2(smooth),
+                wa = VelocitySlope(&law[AT_A], a, ua_t[TH]),
                 wb = VelocitySlope(&law[AT_B], b, ub_t[TH]);
 
   p->theta = theta;
   p->m = CurveMid(k, a->m, a->f[M], b->m, b->f[M]);
   Put2(q, p->at.q);
   Put2(CurveMid2(k, From2(a->n), From2(a->f + N1), From2(b->n), From2(b->f + N1)), p->n);
-  Put2(Along2(CurveMid2(k, From2(ua_t + X1), wa, From2(ub_t + X1), wb), law[AT_MID].c, q), p->at.v);
+  Put2(Along2(CurveMid2(k, From2(ua_t + X1), wa, From2(ub_t + X1), wb), law[AT_MID].c, along),
+       p->at.v);
   if (load->moves)
     Put2(CurveMid2(k, From2(a->at.x), From2(a->f + X1), From2(b->at.x), From2(b->f + X1)), p->at.x);
   PointEvaluate(load, &law[AT_MID], dual, p);
@@ -187,6 +191,7 @@ PetscErrorCode FrameCellsClose(Cell *cell) {
    is known. */
 void FrameCellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   Frame *frame = (Frame *)cell->rod->data;
+  const LearnedCorner *corner = LearnedCornerOf(cell->rod, i);
   PetscInt k = 2 * (i - cell->rod->first + 1);
 
   cell->law = frame->law + k;
@@ -203,8 +208,9 @@ void FrameCellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   if (cell->known) return;
   PetscReal still[FIELDS];
   cell->mid->at.t = cell->t;
-  PointAtMid(cell->load, cell->law, cell->dual[AT_MID], frame->bow * cell->h, cell->a, cell->b,
-             cell->u_t[i], Still(cell, i + 1, cell->u_t[i + 1], still), cell->mid);
+  PointAtMid(cell->load, cell->law, cell->dual[AT_MID], frame->bow * cell->h,
+             corner ? cell->law->g * corner->mid[0] : 0, cell->a, cell->b, cell->u_t[i],
+             Still(cell, i + 1, cell->u_t[i + 1], still), cell->mid);
   AddPush(cell, i, 1, cell->mid);
   if (frame->feet) AddFeet(cell, i);
 }

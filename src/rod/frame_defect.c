@@ -90,7 +90,8 @@ static void CellDefect(const Frame *frame, const Load *load, PetscInt k, const P
   collocation points, as the equations of cells count it (an integral over the cell). Collective.
 
   defect  one for each owned node. Order 4: of the two cells beside it, at odd nodes; order 2: of
-          the cell before it; else 0
+          the cell before it; else 0. What has a corner tells nothing: the two around a front have
+  none
 */
 PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]) {
   const Frame *frame = (const Frame *)rod->data;
@@ -109,7 +110,7 @@ PetscErrorCode FrameDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_
     PetscReal turn[3] = {rate[(i - 1) * fields + TH], rate[i * fields + TH], 0};
     if (!fourth)
       CellDefect(frame, &rod->scene->load, k, s + i - 1, turn, defect[i - rod->first]);
-    else if (i % 2) {
+    else if (i % 2 && !LearnedCornerOf(rod, i - 1) && !LearnedCornerOf(rod, i)) {
       turn[2] = rate[(i + 1) * fields + TH];
       PairDefect(frame, &rod->scene->contact, &rod->scene->load, &bare, k, s + i - 1, turn,
                  defect[i - rod->first]);

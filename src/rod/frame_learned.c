@@ -43,6 +43,22 @@ static void SeeSlope(const Rod rod, PetscInt place, Vector2 x, const Point *p,
   for (int f = X1; f <= X2; f++) slope->sensed[0][f] = Cross2(q, Column2(by_x[0], 3, f));
 }
 
+/* FrameLearnedSees - what is sensed at the clamp in a state at t, of the unknowns there, and its
+   bends, of material that has learned nothing. */
+PetscErrorCode FrameLearnedSees(Rod rod, PetscReal t, const PetscReal u[], LearnedPoint *point) {
+  PetscReal pull[3] = {0}, B;
+  TropismPlace place;
+
+  PetscFunctionBegin;
+  PlaceOf(From2(u + X1), Direction2(u[TH]), &place);
+  if (rod->scene->tropism.senses) TropismPull(&rod->scene->tropism, place.x, pull, NULL);
+  PetscCall(SceneStiffness(rod->scene, 0, t, &B, NULL));
+  PetscCall(SceneCurvature(rod->scene, 0, t, &point->natural[0], NULL));
+  point->sensed[0] = TropismSensed(&place, 0, pull);
+  point->elastic[0] = u[M] / B;
+  PetscFunctionReturn(0);
+}
+
 /* FrameLearnedLaws - keeps what laws are at a time, before the state adds to them. */
 void FrameLearnedLaws(Rod rod, PetscReal t) {
   const Frame *frame = (const Frame *)rod->data;

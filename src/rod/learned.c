@@ -14,7 +14,8 @@ static void FindDrive(Rod rod) {
 
 /* LearnedCreate - for a rod whose model has such states, behind so many unknowns of its mechanics:
    lead, and the extra ones of growth that feels force. */
-PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt bends) {
+PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt bends,
+                             LearnedSees sees) {
   const Tropism *law = &rod->scene->tropism;
   const PetscInt nodes = rod->end - rod->first + 2, places = 2 * nodes, mech = lead + extra;
   Learned self;
@@ -22,6 +23,7 @@ PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt be
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   rod->learned = self;
+  self->sees = sees;
   self->lead = lead;
   self->extra = extra;
   self->mech = mech;
@@ -172,6 +174,7 @@ PetscErrorCode LearnedOpen(Rod rod, const RodState *at) {
   PetscCall(LearnedShareSignal(rod, self->k_t, self->signal_t));
   for (int b = 0; b < TROPISM_BENDS; b++)
     self->nutation[b] = TropismNutation(&rod->scene->tropism, b, at->t);
+  PetscCall(LearnedFindCorner(rod, at->t, at->U));
   PetscFunctionReturn(0);
 }
 

@@ -48,11 +48,23 @@ typedef struct {
   LearnedRow at_mid;
 } LearnedFactor;
 
+/* What the corner at a front adds to the turns of the cell that it is in: see LearnedFrontTurns().
+ */
+typedef struct {
+  PetscInt cell; /* -1: there is none */
+  PetscReal turn[TROPISM_BENDS], moment[TROPISM_BENDS], mid[TROPISM_BENDS];
+} LearnedCorner;
+
+typedef PetscErrorCode (*LearnedSees)(Rod rod, PetscReal t, const PetscReal u[],
+                                      LearnedPoint *point);
+
 /* How the states of a model are condensed: learned_solve.c. */
 typedef const struct LearnedKind_ *LearnedKind;
 
 typedef struct Learned_ {
   LearnedKind kind;
+  /* what is sensed at the clamp in a state at t, of node 0's unknowns, and its bends */
+  LearnedSees sees;
   PetscInt mech, bends, per; /* unknowns of the mechanics, bends, states of a place */
   PetscInt lead;  /* of the mechanics, those that a rod has which feels no force when it grows; */
   PetscInt extra; /* ... and the two beside them that one has which does: V and L, the last */
@@ -79,10 +91,12 @@ typedef struct Learned_ {
   PetscReal *b, *x, *free; /* room: of owned nodes; free parts of the states of places */
   PetscReal *label, (*over)[LEARNED_STENCIL]; /* of all places: see LearnedCarry(); NULL: not yet */
   PetscReal *turned;       /* of owned nodes, right-hand side and unknowns as they are eliminated */
+  LearnedCorner corner;    /* in the state taken apart last */
   PetscReal *rhs, *beside; /* a right-hand side taken apart: its states, and mechanics */
 } * Learned;
 
-PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt bends);
+PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt bends,
+                             LearnedSees sees);
 PetscErrorCode LearnedDestroy(Rod rod);
 PetscErrorCode LearnedBegin(Rod rod, Vec U);
 void LearnedScale(Rod rod, PetscReal scale[]);
@@ -109,16 +123,28 @@ void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal s
 void LearnedByElastic(const Rod rod, PetscReal clock, const LearnedSlope *slope, PetscInt bend,
                       PetscReal by[]);
 PetscBool LearnedFront(const Rod rod);
+PetscErrorCode LearnedFindCorner(Rod rod, PetscReal t, Vec U);
 PetscBool LearnedCarries(const Rod rod);
 PetscErrorCode LearnedGather(Rod rod, PetscInt width, PetscReal *all);
 PetscErrorCode LearnedKeepWay(Rod rod, PetscInt m, const PetscReal times[], const Vec points[]);
 PetscErrorCode LearnedTimesRate(Rod rod, Vec V);
 PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
-                            const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum);
+                            const Vec points[], PetscReal weight[][MAX_FIELDS], PetscBool states,
+                            Vec sum);
 
 /* Has the rod unknowns of growth that feels force? */
 static inline PetscBool LearnedExtra(const Rod rod) {
   return (PetscBool)(rod->learned && rod->learned->extra);
+}
+
+/* Is the corner at a front followed? */
+static inline PetscBool LearnedHasCorner(const Rod rod) {
+  return (PetscBool)(rod->order == 4 && LearnedCarries(rod) && rod->scene->growth->front);
+}
+
+/* The corner in what the cell behind node i has learned, or NULL. */
+static inline const LearnedCorner *LearnedCornerOf(const Rod rod, PetscInt i) {
+  return rod->learned && rod->learned->corner.cell == i ? &rod->learned->corner : NULL;
 }
 
 /* The halves of the equations that an elimination solves: V's is one of the cell before a node, L's

@@ -1,5 +1,5 @@
 /* What a material has learned where it slides past the labels: states go along with it. */
-#include "rod/learned_parts.h"
+#include "rod/learned_front.h"
 
 /* The labels of places, two a node; that behind the tip is none. */
 static PetscReal Label(const Rod rod, PetscInt place) {
@@ -95,6 +95,60 @@ static PetscErrorCode AllStates(Rod rod, Vec V, PetscReal *all) {
   PetscFunctionReturn(0);
 }
 
+/* By how much what is learned rises along the labels where material comes in, in a state: it has
+   learned nothing there, and learns as it goes on. all: of all places, and the tip's signal behind.
+ */
+static PetscErrorCode Inflow(Rod rod, PetscReal t, Vec U, const PetscReal *all, PetscReal slope[]) {
+  const Learned self = rod->learned;
+  const Tropism *law = &rod->scene->tropism;
+  const PetscReal *signal = all + (2 * rod->last + 1) * self->per, *u;
+  PetscReal g, g_t, speed = GrowthSpeed(rod->scene->growth, 0, t, 0);
+  LearnedPoint point;
+
+  PetscFunctionBegin;
+  PetscCall(GrowthLength(rod->scene->growth, t, &g, &g_t));
+  PetscCall(VecGetArrayRead(U, (const PetscScalar **)&u));
+  for (PetscInt b = 0; b < self->bends && rod->first == 0; b++) {
+    if (self->extra) speed = u[self->lead];
+    PetscCall(self->sees(rod, t, u, &point));
+    const PetscReal f = self->at_tip      ? signal[b]
+                        : self->remembers ? 0
+                                          : point.sensed[b],
+                    drive = TropismDrive(law, f, point.natural[b], point.elastic[b],
+                                         TropismNutation(law, b, t));
+    slope[b] = g / speed * TropismClock(law, rod->scene->growth, 0, t, g, g_t) * drive;
+    if (self->remembers) slope[self->bends + b] = g / speed * point.sensed[b] / law->memory;
+  }
+  PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&u));
+  if (!rod->alone)
+    PetscCallMPI(MPI_Bcast(slope, (PetscMPIInt)self->per, MPIU_REAL, 0, rod->scene->comm));
+  PetscFunctionReturn(0);
+}
+
+/* LearnedFindCorner - what a front in the cells adds to their turns, in the state that has been
+   taken apart. Collective. */
+PetscErrorCode LearnedFindCorner(Rod rod, PetscReal t, Vec U) {
+  const PetscInt per = rod->learned->per;
+  Learned self = rod->learned;
+  PetscReal *room = NULL, *all = self->k + 2 * per, inflow[2 * TROPISM_BENDS];
+  LearnedSides sides;
+
+  PetscFunctionBegin;
+  self->corner.cell = -1;
+  if (!LearnedHasCorner(rod)) PetscFunctionReturn(0);
+  if (!self->label) PetscCall(FindLabels(rod));
+  if (!rod->alone) {
+    PetscCall(PetscMalloc1((BEYOND + 2 * rod->last + 2) * per, &room));
+    all = room + BEYOND * per;
+    PetscCall(AllStates(rod, U, all));
+  }
+  PetscCall(Inflow(rod, t, U, all, inflow));
+  LearnedFrontFind(rod, t, self->label + BEYOND, all, inflow, &sides);
+  if (sides.at > 0) LearnedFrontTurns(&sides, &self->corner);
+  PetscCall(PetscFree(room));
+  PetscFunctionReturn(0);
+}
+
 /* LearnedCarries - do states go along with material that slides past the labels? */
 PetscBool LearnedCarries(const Rod rod) {
   return (PetscBool)(rod->learned && TropismLearns(&rod->scene->tropism) &&
@@ -172,16 +226,20 @@ PetscErrorCode LearnedTimesRate(Rod rod, Vec V) {
 
   t, times  of the sum, and of its points, which are earlier
   weight    of each point, for each field
+  states    points are states of the rod, not changes of them
 */
 PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal times[],
-                            const Vec points[], PetscReal weight[][MAX_FIELDS], Vec sum) {
+                            const Vec points[], PetscReal weight[][MAX_FIELDS], PetscBool states,
+                            Vec sum) {
   const Learned self = rod->learned;
   const Growth growth = rod->scene->growth;
   const PetscInt fields = rod->model->fields, per = self->per, last = 2 * rod->last,
                  begin = 2 * rod->first, end = PetscMin(2 * rod->end, last + 1),
                  least = LearnedFront(rod) && GrowthSpeed(growth, 0, t, 0) > 0 ? -BEYOND : 0;
+  const PetscBool corner = LearnedHasCorner(rod);
+  LearnedSides sides;
   const PetscReal *label;
-  PetscReal *from, *room, *all, k[2 * TROPISM_BENDS];
+  PetscReal *from, *room, *all, k[2 * TROPISM_BENDS], inflow[2 * TROPISM_BENDS];
   PetscScalar *x;
 
   PetscFunctionBegin;
@@ -196,10 +254,17 @@ PetscErrorCode LearnedCarry(Rod rod, PetscReal t, PetscInt m, const PetscReal ti
     PetscCall(AllStates(rod, points[j], all));
     PetscCall(growth->depart(growth, on ? times[j - 1] : t, times[j], end - begin,
                              on ? from : label + begin, from)); /* (in place, place by place) */
+    if (corner) {
+      if (states) PetscCall(Inflow(rod, times[j], points[j], all, inflow));
+      LearnedFrontFind(rod, times[j], label, all, states ? inflow : NULL, &sides);
+    }
     for (PetscInt i = begin; i < end; i++) {
       PetscScalar *to = x + (i / 2 - rod->first) * fields + self->mech + i % 2 * per;
       const PetscReal *w = weight[j] + self->mech + i % 2 * per;
-      StatesAt(rod, label, all, least, from[i - begin], &at, k);
+      if (corner)
+        LearnedFrontStates(&sides, from[i - begin], k);
+      else
+        StatesAt(rod, label, all, least, from[i - begin], &at, k);
       for (PetscInt c = 0; c < per; c++) to[c] += w[c] * (k[c] - all[i * per + c]);
     }
   }

@@ -70,6 +70,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
              cell.h * (self->end_weight * (cell.a->f[f] + cell.b->f[f]) +
                        self->mid_weight * cell.mid->f[f]);
     if (cell.feet.n) AddFeet(&cell, r);
+    if (LearnedCornerOf(rod, i)) SpaceLearnedCorner(&cell, LearnedCornerOf(rod, i), r + P);
     if (i >= rod->first) PetscCall(PetscArraycpy(&F_[i][LEFT], &r[LEFT], RIGHT));
     if (i + 1 < rod->end) PetscCall(PetscArraycpy(F_[i + 1], r, LEFT));
   }
@@ -232,7 +233,8 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   self->mid_weight = choice ? 4. / 6 : 1;
   self->bow = choice ? 1. / 8 : 0;
   self->time = PETSC_MIN_REAL;
-  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, 0, TROPISM_BENDS));
+  if (rod->model->fields > FIELDS)
+    PetscCall(LearnedCreate(rod, FIELDS, 0, TROPISM_BENDS, SpaceLearnedSees));
   rod->memory = SpaceRemembers(&rod->scene->load);
   self->duals = rod->scene->load.duals3;
   SpaceCellsForget(self);

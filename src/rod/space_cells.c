@@ -21,17 +21,23 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual *du
 }
 
 /* The point in the middle of the cell; k = bow h. */
-static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const PetscReal *ub_t) {
+static void PointAtMid(Cell *cell, PetscReal k, const LearnedCorner *corner, const PetscReal *ua_t,
+                       const PetscReal *ub_t) {
   const Load *load = cell->load;
   const Point *a = cell->a, *b = cell->b;
   Point *p = cell->mid;
-  PetscReal wa[3], wb[3];
+  PetscReal wa[3], wb[3], smooth[3][3];
+  const PetscReal *along = corner ? smooth[0] : p->d[0];
 
   VelocitySlope(&cell->law[AT_A], a, wa);
   VelocitySlope(&cell->law[AT_B], b, wb);
   for (int i = 0; i < 4; i++) {
     p->p[i] = CurveMid(k, a->p[i], a->f[P + i], b->p[i], b->f[P + i]);
     p->p_t[i] = (ua_t[P + i] + ub_t[P + i]) / 2;
+  }
+  if (corner) { /* (the velocity of the material has none: that of labels has the opposite) */
+    Directors(p->p, QuaternionSize(p->p), smooth);
+    SpaceLearnedMid(&cell->law[AT_MID], corner, p);
   }
   for (int i = 0; i < 3; i++) {
     p->m[i] = CurveMid(k, a->m[i], a->f[M + i], b->m[i], b->f[M + i]);
@@ -54,7 +60,7 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
   p->at.t = cell->t;
   for (int i = 0; i < 3; i++)
     p->at.v[i] =
-        CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[AT_MID].c * p->d[0][i];
+        CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[AT_MID].c * along[i];
   PointEvaluate(load, &cell->law[AT_MID], cell->dual[AT_MID], p);
   for (int i = 0; i < 3 && cell->split; i++)
     p->f[M + i] += (a->couple[i] + b->couple[i]) / 2 - p->couple[i];
@@ -265,7 +271,7 @@ void SpaceCellsNext(Cell *cell, PetscInt i) {
   }
   if (cell->known) return;
   if (cell->thin) FindFeet(cell, i);
-  PointAtMid(cell, self->bow * cell->h, cell->u_t[i],
+  PointAtMid(cell, self->bow * cell->h, LearnedCornerOf(cell->rod, i), cell->u_t[i],
              SpaceStill(cell, i + 1, cell->u_t[i + 1], still));
   AddPush(cell, i, 1, cell->mid);
 }

@@ -181,6 +181,9 @@ void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid)
 void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const PetscReal (*u_p)[4],
                        const PetscReal (*u_m)[3], LearnedSlope *slope);
 void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4]);
+PetscErrorCode SpaceLearnedSees(Rod rod, PetscReal t, const PetscReal u[], LearnedPoint *point);
+void SpaceLearnedMid(const Law *law, const LearnedCorner *corner, Point *mid);
+void SpaceLearnedCorner(const Cell *cell, const LearnedCorner *corner, PetscReal r[4]);
 
 /* space_defect.c */
 PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);

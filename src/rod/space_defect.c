@@ -302,6 +302,7 @@ PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_
       Take(&cell, i, 0, &cells);
     else if (i >= rod->first && i > 0) {
       Take(&cell, i, 1, &cells);
+      if (LearnedCornerOf(rod, i - 1) || LearnedCornerOf(rod, i)) continue; /* tells nothing */
       PairDefect(&cells, defect[i - rod->first]);
     }
   }

@@ -28,6 +28,30 @@ static void SeePoint(const Rod rod, PetscInt place, const Point *p, LearnedPoint
   }
 }
 
+/* SpaceLearnedSees - what is sensed at the clamp in a state at t, of the unknowns there, and the
+   bends of material that has learned nothing. */
+PetscErrorCode SpaceLearnedSees(Rod rod, PetscReal t, const PetscReal u[], LearnedPoint *point) {
+  const PetscReal *p = u + P, *m = u + M;
+  PetscReal pull[3] = {0}, B, S[3], u0[3], d[3][3];
+  TropismPlace at;
+
+  PetscFunctionBegin;
+  Directors(p, QuaternionSize(p), d);
+  memcpy(at.x, u + X, sizeof(at.x));
+  memcpy(at.d2, d[1], sizeof(at.d2));
+  memcpy(at.d3, d[2], sizeof(at.d3));
+  if (rod->scene->tropism.senses) TropismPull(&rod->scene->tropism, at.x, pull, NULL);
+  PetscCall(SceneStiffness(rod->scene, 0, t, &B, NULL));
+  SceneStiffnesses(rod->scene, B, S);
+  PetscCall(CurvatureStrains(&rod->scene->curvature, rod->scene->growth, 0, t, u0, NULL));
+  for (int b = 0; b < TROPISM_BENDS; b++) {
+    point->sensed[b] = TropismSensed(&at, b, pull);
+    point->natural[b] = u0[turn[b]];
+    point->elastic[b] = Dot3(d[turn[b]], m) / S[turn[b]];
+  }
+  PetscFunctionReturn(0);
+}
+
 /* SpaceLearnedSlope - how these change with x, p and m there; u_p, u_m: the strains by p and m. */
 void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const PetscReal (*u_p)[4],
                        const PetscReal (*u_m)[3], LearnedSlope *slope) {
@@ -110,4 +134,26 @@ void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4])
 
   unit[turn[bend]] = law->g / 2;
   QuaternionTurn(p->p, unit, by);
+}
+
+/* SpaceLearnedMid - the middle of the cell that a front is in is turned by what its corner adds. */
+void SpaceLearnedMid(const Law *law, const LearnedCorner *corner, Point *mid) {
+  for (int b = 0; b < TROPISM_BENDS; b++) {
+    PetscReal by[4];
+    SpaceLearnedTurn(law, mid, b, by);
+    for (int i = 0; i < 4; i++) mid->p[i] += corner->mid[b] * by[i];
+  }
+}
+
+/* SpaceLearnedCorner - what the corner adds to the turn over the cell; r: residual of p. */
+void SpaceLearnedCorner(const Cell *cell, const LearnedCorner *corner, PetscReal r[4]) {
+  PetscReal turn_by[3] = {0}, moment[3] = {0}, by[4], more[4];
+
+  for (int b = 0; b < TROPISM_BENDS; b++) {
+    turn_by[turn[b]] = cell->law[AT_MID].g / 2 * corner->turn[b];
+    moment[turn[b]] = cell->law[AT_MID].g / 2 * corner->moment[b];
+  }
+  QuaternionTurn(cell->mid->p, turn_by, by);
+  QuaternionTurn(cell->mid->f + P, moment, more);
+  for (int i = 0; i < 4; i++) r[i] -= by[i] + more[i];
 }

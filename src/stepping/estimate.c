@@ -87,6 +87,24 @@ static PetscBool HasRate(const Estimate self, PetscInt f) {
                      (LearnedExtra(self->leg->rod) && f == learned->mech - 1)); /* L */
 }
 
+/* Where a front goes by, what differences at a place tell of is not the error: of what is learned
+   it is that along the material, which this adds to a combination of n points; of angles it is not
+   known (see LeavePassed() in stepping/leg.c), from one label on to another. */
+static PetscErrorCode AlongFront(Estimate self, PetscInt n, const PetscReal since[],
+                                 const Vec point[], PetscReal weight[][VBDF_FIELDS], Vec along,
+                                 PetscReal *from, PetscReal *to) {
+  const Rod rod = self->leg->rod;
+  PetscReal t, times[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTime(self->leg->ts, &t));
+  for (PetscInt j = 0; j < n; j++) times[j] = t + since[j];
+  PetscCall(LearnedCarry(rod, t, n, times, point, weight, PETSC_TRUE, along));
+  *from = GrowthFront(rod->scene->growth, times[n - 1]);
+  *to = GrowthFront(rod->scene->growth, t);
+  PetscFunctionReturn(0);
+}
+
 /* The step's local error at the coarse nodes of this rank comes on top of those before, which have
    changed meanwhile. times_error: it may be so many times that. */
 static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
@@ -94,26 +112,41 @@ static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
   PetscReal weight[VBDF_POINTS][VBDF_FIELDS], times[VBDF_POINTS];
   const PetscInt fields = self->fields, followed = self->followed;
   const PetscScalar *u[VBDF_POINTS];
+  const Rod rod = self->leg->rod;
+  const PetscReal *s = rod->scene->mesh.s, *more = NULL;
+  PetscReal from = 1, to = 0;
   PetscInt n, points, order;
-  Vec point[VBDF_POINTS];
+  Vec point[VBDF_POINTS], along = NULL;
 
   PetscFunctionBegin;
   PetscCall(VBDFGetLocalError(self->leg->ts, fields, &n, weight));
   PetscCall(VBDFGetHistory(self->leg->ts, &points, times, point, &order));
   if (n > points) n = 0;
+  if (n && LearnedHasCorner(rod)) {
+    PetscCall(VecDuplicate(point[0], &along));
+    PetscCall(VecZeroEntries(along));
+    PetscCall(AlongFront(self, n, times, point, weight, along, &from, &to));
+    PetscCall(VecGetArrayRead(along, (const PetscScalar **)&more));
+  }
   for (PetscInt j = 0; j < n; j++) PetscCall(VecGetArrayRead(point[j], &u[j]));
   for (PetscInt k = 0; k < self->nodes; k++) {
     PetscReal *local = self->own.local + k * followed, *skipped = self->own.skipped + k * followed;
     for (PetscInt f = 0; f < followed; f++) {
       const PetscInt at = EntryOf(self, k, f);
+      const PetscReal label = at < 0 ? 0 : s[rod->first + at / fields];
+      const PetscBool learned = (PetscBool)(rod->learned && f >= rod->learned->mech);
       if (at < 0 || !HasRate(self, f)) continue;
       local[f] *= ratio[self->model->group[f]];
       skipped[f] *= ratio[self->model->group[f]];
+      if (learned && more) local[f] += times_error * more[at];
+      if (label >= from && label <= to && !learned && !RodIsPlace(self->model, f)) continue;
       for (PetscInt j = 0; j < n; j++)
         local[f] += times_error * weight[j][f] * u[j][self->leg->from + at];
     }
   }
   for (PetscInt j = 0; j < n; j++) PetscCall(VecRestoreArrayRead(point[j], &u[j]));
+  if (along) PetscCall(VecRestoreArrayRead(along, (const PetscScalar **)&more));
+  PetscCall(VecDestroy(&along));
   PetscFunctionReturn(0);
 }
 
@@ -384,7 +417,8 @@ static PetscErrorCode CarryErrors(Estimate self, PetscReal t, int part) {
   PetscCall(PetscArraycpy(e, self->e[part], self->nodes * self->fields));
   PetscCall(VecRestoreArrayWrite(self->nudged, (PetscScalar **)&e));
   PetscCall(VecPlaceArray(self->G, self->e[part]));
-  PetscCall(LearnedCarry(self->rod, t, 1, &self->before, &self->nudged, weight, self->G));
+  PetscCall(
+      LearnedCarry(self->rod, t, 1, &self->before, &self->nudged, weight, PETSC_FALSE, self->G));
   PetscCall(VecResetArray(self->G));
   PetscFunctionReturn(0);
 }

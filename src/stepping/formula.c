@@ -245,6 +245,18 @@ static void PastRatios(const Formula *self, PetscInt m,
     for (PetscInt k = 0; k < m; k++) ratio[a][k] = self->ratio[a][1 + k];
 }
 
+/* Makes of a sum of past points 1 .. order what it is along the material. */
+static PetscErrorCode Carry(Formula *self, PetscInt order, const PetscReal along[],
+                            PetscReal ratio[VBDF_FACTORS][VBDF_POINTS], Vec sum) {
+  PetscReal c[VBDF_POINTS][VBDF_FIELDS], times[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  Weights(self, VBDF_FIELDS, order, along, NULL, NULL, ratio, c);
+  for (PetscInt k = 0; k < order; k++) times[k] = self->now + (self->time[1 + k] - self->time[0]);
+  PetscCall(self->carry(self->ts, self->now, order, times, self->point + 1, c, sum));
+  PetscFunctionReturn(0);
+}
+
 /* FormulaExtrapolate - X = the polynomial through past points 1 .. m, at time[0]. */
 PetscErrorCode FormulaExtrapolate(Formula *self, PetscInt m, Vec X) {
   PetscReal L[VBDF_POINTS], ratio[VBDF_FACTORS][VBDF_POINTS];
@@ -253,18 +265,7 @@ PetscErrorCode FormulaExtrapolate(Formula *self, PetscInt m, Vec X) {
   LagrangeValues(m, self->time + 1, self->time[0], L);
   PastRatios(self, m, ratio);
   PetscCall(Combine(self, 1, m, L, NULL, NULL, ratio, X));
-  PetscFunctionReturn(0);
-}
-
-/* Makes of affine what it is along the material. */
-static PetscErrorCode Carry(Formula *self, PetscInt order, const PetscReal along[],
-                            PetscReal ratio[VBDF_FACTORS][VBDF_POINTS]) {
-  PetscReal c[VBDF_POINTS][VBDF_FIELDS], times[VBDF_POINTS];
-
-  PetscFunctionBegin;
-  Weights(self, VBDF_FIELDS, order, along, NULL, NULL, ratio, c);
-  for (PetscInt k = 0; k < order; k++) times[k] = self->now + (self->time[1 + k] - self->time[0]);
-  PetscCall(self->carry(self->ts, self->now, order, times, self->point + 1, c, self->affine));
+  if (self->carries_all) PetscCall(Carry(self, m, L, ratio, X));
   PetscFunctionReturn(0);
 }
 
@@ -277,7 +278,7 @@ PetscErrorCode FormulaBegin(Formula *self, PetscInt order) {
   self->shift = D[0];
   PastRatios(self, order, ratio);
   PetscCall(Combine(self, 1, order, D + 1, NULL, NULL, ratio, self->affine));
-  if (self->carry) PetscCall(Carry(self, order, D + 1, ratio));
+  if (self->carry) PetscCall(Carry(self, order, D + 1, ratio, self->affine));
   PetscFunctionReturn(0);
 }
 

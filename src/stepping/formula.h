@@ -21,9 +21,10 @@ typedef struct {
   /* The present step: U_t = shift U + affine, and rho U more for the fields factored, of each of
      their factors. */
   PetscReal shift, rho[VBDF_FACTORS];
-  VBDFCarry carry;  /* of affine along the material; NULL: fields are at labels */
-  TS ts;            /* borrowed, for that */
-  Vec affine, rate; /* rate: U_t of the state that FormulaRate() was given last */
+  VBDFCarry carry;       /* of affine along the material; NULL: fields are at labels */
+  PetscBool carries_all; /* ... and of what is extrapolated, so of errors of steps */
+  TS ts;                 /* borrowed, for that */
+  Vec affine, rate;      /* rate: U_t of the state that FormulaRate() was given last */
   /* The factor. */
   PetscInt fields;                            /* of a node, if any are factored */
   int factored[VBDF_FIELDS];                  /* bit k: by factor k; of several, by their product */

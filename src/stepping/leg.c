@@ -6,6 +6,27 @@
 #include "stepping/rules.h"
 #include "rod/rules.h"
 
+/* Angles bend where the front of what has learned since the start goes by, once for all: at the
+   nodes that it passes on the way from the points of the formula to the end of the step differences
+   tell nothing of errors, which are of places there, of the third order. */
+static PetscErrorCode LeavePassed(const Leg *leg, const Rod rod, PetscInt begin, PetscScalar *a) {
+  const PetscReal *s = rod->scene->mesh.s;
+  PetscReal times[VBDF_POINTS], t, step, from, to;
+  PetscInt n, order;
+  Vec points[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  PetscCall(TSGetTime(leg->ts, &t));
+  PetscCall(TSGetTimeStep(leg->ts, &step));
+  PetscCall(VBDFGetHistory(leg->ts, &n, times, points, &order));
+  from = GrowthFront(rod->scene->growth, n ? t + times[n - 1] : t);
+  to = GrowthFront(rod->scene->growth, t + step);
+  for (PetscInt i = rod->first; i < rod->end; i++)
+    for (PetscInt f = 0; f < rod->learned->lead && s[i] >= from && s[i] <= to; f++)
+      if (!RodIsPlace(rod->model, f)) a[(begin + i - rod->first) * rod->model->fields + f] = -1;
+  PetscFunctionReturn(0);
+}
+
 /* The tolerance of each entry: that part of rtol times the size of its field; -1 leaves out the
    fields that are not followed (forces and moments of an index-2 problem are not to control the
    step). */
@@ -20,18 +41,20 @@ static PetscErrorCode SetToleranceOf(Leg *leg, PetscInt k) {
   PetscFunctionBegin;
   for (PetscInt f = 0; f < fields; f++) {
     const PetscReal least = rod_rule.vanished * RodFieldUnit(rod, f);
-    most[f] = rod->model->followed[f] && !(front && f >= rod->learned->mech)
-                  ? step_rule.step_share *
-                        PetscMax(leg->ease.times * leg->of[k].eased * leg->rtol *
-                                     PetscMax(leg->of[k].size[f],
-                                              step_rule.steering_floor * RodSteered(rod, f)),
-                                 least)
-                  : -1;
+    most[f] =
+        rod->model->followed[f] && !(front && !LearnedHasCorner(rod) && f >= rod->learned->mech)
+            ? step_rule.step_share *
+                  PetscMax(leg->ease.times * leg->of[k].eased * leg->rtol *
+                               PetscMax(leg->of[k].size[f],
+                                        step_rule.steering_floor * RodSteered(rod, f)),
+                           least)
+            : -1;
   }
   RodPartNodes(leg->rod, k, &begin, &end);
   PetscCall(VecGetArray(leg->tolerance, &a));
   for (PetscInt i = begin * fields; i < end * fields; i += fields)
     for (PetscInt f = 0; f < fields; f++) a[i + f] = most[f];
+  if (rod->learned && LearnedHasCorner(rod)) PetscCall(LeavePassed(leg, rod, begin, a));
   PetscCall(VecRestoreArray(leg->tolerance, &a));
   if (!leg->held) PetscFunctionReturn(0);
   PetscCall(VecGetArray(leg->held, &a));
@@ -235,12 +258,12 @@ static PetscErrorCode CarryLearned(TS ts, PetscReal t, PetscInt m, const PetscRe
   PetscFunctionBegin;
   PetscCall(TSGetApplicationContext(ts, &leg));
   PetscCall(LearnedKeepWay(leg->rod, m, times, points));
-  PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, sum));
+  PetscCall(LearnedCarry(leg->rod, t, m, times, points, weight, PETSC_TRUE, sum));
   PetscFunctionReturn(0);
 }
 
 /* Only vbdf can, whose formula is one along the material. */
-static PetscErrorCode CarryAlong(TS ts) {
+static PetscErrorCode CarryAlong(TS ts, const Rod rod) {
   PetscBool vbdf;
 
   PetscFunctionBegin;
@@ -248,7 +271,7 @@ static PetscErrorCode CarryAlong(TS ts) {
   UserCheck(vbdf, OptionsComm(),
             "-ts_type: where material slides past the labels (feed, apical), what it learns by "
             "-tropism_ options takes vbdf");
-  PetscCall(VBDFSetCarry(ts, CarryLearned));
+  PetscCall(VBDFSetCarry(ts, CarryLearned, LearnedHasCorner(rod)));
   PetscFunctionReturn(0);
 }
 
@@ -512,7 +535,7 @@ PetscErrorCode LegCreateOf(Rod rod, PetscReal rtol, Leg *leg) {
   PetscCall(VBDFSetResolves(leg->ts, (PetscBool)(RodIsDry(leg->rod) || !touches)));
   PetscCall(FreeTurns(leg));
   PetscCall(VBDFSetFactored(leg->ts, leg->rod->model->fields, leg->rod->model->group));
-  if (LearnedCarries(leg->rod)) PetscCall(CarryAlong(leg->ts));
+  if (LearnedCarries(leg->rod)) PetscCall(CarryAlong(leg->ts, leg->rod));
   PetscCall(MeasureAlongAxes(leg));
   PetscCall(VBDFSetGuess(leg->ts, FirstGuess, leg->rod));
   PetscCall(VBDFSetCross(leg->ts, LegCrossesMode));

@@ -171,8 +171,8 @@ static PetscErrorCode Carry(Tangents self, Rod rod, PetscInt first, PetscInt n, 
     times[first + k] += self->t;
     for (int f = 0; f < VBDF_FIELDS; f++) part[k][f] = weight[first + k][f] / over;
   }
-  PetscCall(
-      LearnedCarry(rod, self->t, n, times + first, point ? point + first : past + first, part, X));
+  PetscCall(LearnedCarry(rod, self->t, n, times + first, point ? point + first : past + first, part,
+                         PETSC_FALSE, X));
   PetscFunctionReturn(0);
 }
 

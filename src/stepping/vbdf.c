@@ -290,14 +290,16 @@ PetscErrorCode VBDFSetKinks(TS ts, VBDFKinks kinks) {
   PetscFunctionReturn(0);
 }
 
-/* VBDFSetCarry - sets how fields of the material go along with it. No effect on other types. */
-PetscErrorCode VBDFSetCarry(TS ts, VBDFCarry carry) {
+/* VBDFSetCarry - sets how fields of the material go along with it; all: where they are
+   extrapolated, too. No effect on other types. */
+PetscErrorCode VBDFSetCarry(TS ts, VBDFCarry carry, PetscBool all) {
   VBDF *self = NULL;
 
   PetscFunctionBegin;
   PetscCall(Self(ts, &self));
   if (!self) PetscFunctionReturn(0);
   self->formula.carry = carry;
+  self->formula.carries_all = all;
   self->formula.ts = ts;
   PetscFunctionReturn(0);
 }

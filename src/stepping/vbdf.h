@@ -59,7 +59,7 @@ PetscErrorCode VBDFSetCheck(TS ts, VBDFCheck check);
 PetscErrorCode VBDFSetCross(TS ts, VBDFCross cross);
 PetscErrorCode VBDFSetNextEnd(TS ts, VBDFNextEnd next_end);
 PetscErrorCode VBDFSetKinks(TS ts, VBDFKinks kinks);
-PetscErrorCode VBDFSetCarry(TS ts, VBDFCarry carry);
+PetscErrorCode VBDFSetCarry(TS ts, VBDFCarry carry, PetscBool all);
 PetscErrorCode VBDFSetMeasure(TS ts, VBDFMeasure measure);
 PetscErrorCode VBDFSetFactored(TS ts, PetscInt fields, const int factored[]);
 PetscErrorCode VBDFSetLeast(TS ts, const PetscReal least[VBDF_FACTORS]);

@@ -37,8 +37,9 @@ static const PetscReal of_stiffness = 2;
    friction, so that their errors are more than those of first order: above them then in 70 of 73
    random scenes, where it was 62, and of 52 within ten times in 29 (30). */
 static const PetscReal of_strands = 3;
-/* Of a rod that is fed and whose material learns its bend what has learned ends at a front within a
-   cell, which is of second order: of 22 random scenes 8 were above it, with this all. */
+/* Of a rod that is fed, and pulled out again, and whose material learns its bend what has learned
+   ends at a front within a cell, which is of second order: of 22 random scenes 8 were above it,
+   with this all. */
 static const PetscReal of_front = 5;
 static const PetscReal margin = 1.5, by_weight = 3; /* of the estimate after a run */
 

@@ -74,13 +74,14 @@ static PetscReal Beside(const Grow *self) {
   return self->kept.vanished ? error + 1 : error;
 }
 
-/* Do strands of the rod touch each other, in space; has what it learns a front, where it is fed? */
+/* Do strands of the rod touch each other, in space; has what it learns a front that nothing
+   follows, where it is fed and pulled out again? */
 static PetscReal Beyond(const Grow *self) {
   const Rod rod = self->now->rod;
   const PetscBool strands =
       (PetscBool)(self->model == SPACE && self->kept.pressed > 0 && RodMeetsStrands(rod));
 
-  return AccuracyBeyond(strands, LearnedFront(rod));
+  return AccuracyBeyond(strands, (PetscBool)(LearnedFront(rod) && !LearnedHasCorner(rod)));
 }
 
 /* What the steps leave at least: each field is followed to the tolerance of its own size, and the

@@ -156,12 +156,24 @@ def a_far_lamp_pulls_as_gravity_and_a_near_one_is_pointed_at():
 
 @check
 def what_is_fed_in_is_straight_and_bends_from_then_on():
-    """A constant drive: k = r n (time since it is in), int k dp = r n (t^2/2 + L0 t), however it is bent. A front with a corner
-    in k, between what was there at first and what has come in, is resolved to the order 2."""
+    """A constant drive: k = r n (time since it is in), int k dp = r n (t^2/2 + L0 t), however it is bent."""
     for model in ("frame", "space"):
         off = [abs(Run(f"{STRAIGHT}-growth_type feed -tropism_rate 0.5 -tropism_nutation 0.8 -ts_max_time 1 -rod_cells {n} "
                        f"-rod_model {model}").natural_angle[-1] / (0.5 * 0.8 * (1 / 2 + 1)) - 1) for n in (30, 60)]
         expect(off[1] < 1e-4 and off[1] < 0.45 * off[0], f"{model}: {off}")
+
+
+@check
+def a_front_of_what_is_fed_in_is_followed():
+    """Between what was there at first and what has come in k has a corner, in whatever cell: the rod is resolved to the order 4 all
+    the same, and steps do not go by cells."""
+    for model in ("frame", "space"):
+        coarse, fine = [Run(f"{STRAIGHT}-growth_type feed -friction_mu 0.5 -tropism_rate 1 -tropism_gravity 2 -tropism_direction 0,1 "
+                            f"-tropism_proprioception 0.8 -ts_max_time 0.83 -ts_rtol 1e-5 -rod_cells {n} -rod_model {model}")
+                        for n in (30, 60)]
+        near(f"{model}, across", coarse.tip_x2[-1], fine.tip_x2[-1], 1e-5)
+        near(f"{model}, energy", coarse.energy[-1], fine.energy[-1], 1e-5)
+        expect(abs(len(fine.t) / len(coarse.t) - 1) < 0.2, f"{model}: {len(coarse.t)} steps, {len(fine.t)}")
 
 
 @check
