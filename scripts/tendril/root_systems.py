@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from .errors import TendrilError, arguments, number, path_of, whole
+from .errors import TendrilError, arguments, number, whole
 from .readers import text_of_file
 from .scene_data import carried
 from .units import METRES, PIXELS, quantity, unit_called
