@@ -92,6 +92,7 @@ void SceneAtSpeed(Scene scene, PetscReal speed);
 const PetscReal *SceneLabels(Scene scene, PetscInt *nodes);
 PetscErrorCode SceneLength(Scene scene, PetscReal t, PetscReal *length);
 PetscErrorCode SceneStretch(Scene scene, PetscReal s, PetscReal t, PetscReal *g);
+PetscErrorCode ScenePlace(Scene scene, PetscReal s, PetscReal t, Place *at);
 PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at);
 void SceneRemember(Scene scene, SceneMemory *memory);
 PetscErrorCode SceneRecall(Scene scene, const SceneMemory *memory);
