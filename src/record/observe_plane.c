@@ -36,9 +36,8 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
   p->strain = GrowthStrain(growth, s, t, p->g_t);
   PetscCall(SceneCurvature(scene, s, t, &p->k0, &p->k0_t));
   PetscCall(SceneStiffness(scene, s, t, &p->B, &p->B_t));
-  PetscCall(PetscMemzero(&p->at, sizeof(p->at)));
   PetscCall(ScenePlace(scene, s, t, &p->at));
-  p->q = (Vector2){PetscCosReal(p->node.theta), PetscSinReal(p->node.theta)};
+  p->q = Direction2(p->node.theta);
   p->v = Along2(From2(p->node.x_t), p->c, p->q);
   PlaceTurn2(p->q, &p->at);
   Put2(From2(p->node.x), p->at.x);
@@ -198,7 +197,7 @@ PetscErrorCode ObservePlane(Scene scene, PetscReal t, PetscInt first, PetscInt e
                             PetscInt n, const TouchFeet *feet, PetscReal lift, Observation *seen) {
   PetscInt nodes;
   const PetscReal *s = SceneLabels(scene, &nodes);
-  Sample a, b, mid;
+  Sample a, b = {.g = 0}, mid;
 
   PetscFunctionBegin;
   PetscCall(SampleNode(scene, s[first], t, node, push ? push[2 * first] : NULL, &b));

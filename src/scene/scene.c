@@ -208,15 +208,6 @@ PetscErrorCode SceneStretch(Scene scene, PetscReal s, PetscReal t, PetscReal *g)
   PetscFunctionReturn(0);
 }
 
-/* ScenePlace - says of a place which it is, by its label and the time. The rest of it is the
-   caller's. */
-PetscErrorCode ScenePlace(Scene scene, PetscReal s, PetscReal t, Place *at) {
-  PetscFunctionBegin;
-  at->s = s;
-  at->t = t;
-  PetscFunctionReturn(0);
-}
-
 /* SceneMaterial - what the rod's own laws give at the label s and time t. */
 PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at) {
   PetscReal B, B_t;

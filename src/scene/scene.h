@@ -92,7 +92,6 @@ void SceneAtSpeed(Scene scene, PetscReal speed);
 const PetscReal *SceneLabels(Scene scene, PetscInt *nodes);
 PetscErrorCode SceneLength(Scene scene, PetscReal t, PetscReal *length);
 PetscErrorCode SceneStretch(Scene scene, PetscReal s, PetscReal t, PetscReal *g);
-PetscErrorCode ScenePlace(Scene scene, PetscReal s, PetscReal t, Place *at);
 PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at);
 void SceneRemember(Scene scene, SceneMemory *memory);
 PetscErrorCode SceneRecall(Scene scene, const SceneMemory *memory);
@@ -132,6 +131,13 @@ static inline void ScenePlaceToLab(const struct _Scene *scene, const PetscReal x
                                    PetscReal lab[3]) {
   SceneToLab(scene, x, lab);
   for (int d = 0; d < 3; d++) lab[d] += scene->space.place[d];
+}
+
+/* Says of a place which it is, by its label and the time. The rest of it is the caller's. */
+static inline PetscErrorCode ScenePlace(Scene scene, PetscReal s, PetscReal t, Place *at) {
+  at->s = s;
+  at->t = t;
+  return (PetscErrorCode)0;
 }
 
 /* The natural curvature at the label s and time t, and the rate at which it changes for the
