@@ -311,6 +311,15 @@ static PetscErrorCode WriteErrors(const Several *self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
+/* Of which rod what has ended the run was, which that has written. */
+static PetscErrorCode WriteEventRod(const Several *self, HdfFile file) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++)
+    if (self->each[k]->event.kind)
+      PetscCall(HdfText(file, "/event", "rod", RodsName(self->rods, k)));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, PetscBool finished) {
   char *text;
 
@@ -328,6 +337,7 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
   PetscCall(WritePairs(self, file));
   PetscCall(WriteAbout(self, file, t));
   PetscCall(WriteErrors(self, file));
+  PetscCall(WriteEventRod(self, file));
   PetscCall(self->keep(self->ctx, file));
   PetscFunctionReturn(0);
 }

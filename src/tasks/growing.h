@@ -149,6 +149,7 @@ PetscBool GrowPaceDue(Pace *pace, PetscReal start, PetscReal t, PetscReal end, P
                       char left[32]);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
 PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]);
+PetscErrorCode GrowTellEvents(const Grow *self, const char *rod);
 PetscErrorCode GrowSummary(Grow *self);
 
 /* grow_sensitivity.c */
