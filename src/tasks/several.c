@@ -18,12 +18,15 @@ PetscErrorCode SeveralAsked(PetscBool *asked) {
   PetscFunctionReturn(0);
 }
 
-/* Looks at the state that was come to. */
+/* Looks at the step to a time. */
 static PetscErrorCode TakeStep(Together *self, PetscReal t) {
   PetscReal speed;
   PetscBool begins;
 
   PetscFunctionBegin;
+  self->U = self->leg.U;
+  self->U_t = self->leg.newton.latest.U_t;
+  PetscCall(TogetherLocateEvent(self, &t));
   PetscCall(TogetherLook(self, t, PETSC_FALSE));
   PetscCall(LegSpeed(&self->leg, &speed, &begins));
   self->snaps += begins;
@@ -31,12 +34,17 @@ static PetscErrorCode TakeStep(Together *self, PetscReal t) {
   PetscCall(TogetherDue(self, t));
   if (self->stopped_by >= 0) PetscCall(TogetherEndHere(self));
   PetscCall(TogetherProgress(self, PETSC_FALSE));
+  self->stopped = SignalCaught();
+  if (self->stopped) PetscCall(TSSetConvergedReason(self->leg.ts, TS_CONVERGED_USER));
+  if (SeveralDue(&self->file)) PetscCall(SeveralStore(&self->file, t, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
 
-/* TogetherAfterStep - what the stepper calls behind each of its steps: looks at it. */
+/* TogetherAfterStep - what the stepper calls behind each of its steps: looks at it, unless it is to
+   wait; as GrowAfterStep() has it. */
 PetscErrorCode TogetherAfterStep(TS ts) {
   TSConvergedReason reason;
+  PetscInt steps, most;
   Together *self;
   PetscReal t;
   Leg *leg;
@@ -47,29 +55,43 @@ PetscErrorCode TogetherAfterStep(TS ts) {
   PetscCall(TSGetApplicationContext(ts, &leg));
   self = (Together *)leg->owner;
   PetscCall(TSGetTime(ts, &t));
-  if (!reason && t >= self->end) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_TIME));
-  self->U = self->leg.U;
-  self->U_t = self->leg.newton.latest.U_t;
-  PetscCall(TogetherLocateEvent(self, &t));
-  PetscCall(TakeStep(self, t));
-  self->stopped = SignalCaught();
-  if (self->stopped) PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER));
-  if (SeveralDue(&self->file)) PetscCall(SeveralStore(&self->file, t, PETSC_FALSE));
+  PetscCall(TSGetStepNumber(ts, &steps));
+  PetscCall(TSGetMaxSteps(ts, &most));
+  if (!reason) { /* newer PETSc leaves that to TSSolve() */
+    reason = steps >= most    ? TS_CONVERGED_ITS
+             : t >= self->end ? TS_CONVERGED_TIME
+                              : TS_CONVERGED_ITERATING;
+    PetscCall(TSSetConvergedReason(ts, reason));
+  }
+  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + grow_rule.same_time));
+  self->reason = reason;
+  if (!self->waits) PetscCall(TakeStep(self, t));
+  if (self->by_steps) PetscCall(TSGetConvergedReason(ts, &reason));
+  if (self->waits || (self->by_steps && !reason))
+    PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER)); /* the host has its turn */
   PetscFunctionReturn(0);
 }
 
-/* Rods in dry friction that find no step try again with a viscous share, or a larger one. */
-static PetscErrorCode Solve(Together *self) {
-  PetscBool again = PETSC_TRUE;
-
+/* TogetherAfterSolve - what follows where the stepper has stopped. Rods in dry friction that find
+   no step try again with a viscous share, or a larger one. */
+PetscErrorCode TogetherAfterSolve(Together *self) {
   PetscFunctionBegin;
-  while (again) {
-    PetscCall(TSSolve(self->leg.ts, self->leg.U));
-    PetscCall(TSGetConvergedReason(self->leg.ts, &self->reason));
-    again = (PetscBool)(self->reason < 0 && !self->stopped && TogetherShare(self, PETSC_TRUE));
-    if (!again) continue;
+  PetscCall(TSGetConvergedReason(self->leg.ts, &self->reason));
+  self->enters = PETSC_FALSE;
+  if (self->reason < 0 && !self->stopped && TogetherShare(self, PETSC_TRUE)) {
     PetscCall(TSRestartStep(self->leg.ts));
     PetscCall(TSSetTimeStep(self->leg.ts, grow_rule.again_step * self->end));
+    self->enters = PETSC_TRUE;
+  } else if (self->reason != TS_CONVERGED_USER || self->stopped || self->stopped_by >= 0)
+    self->over = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Follow(Together *self) {
+  PetscFunctionBegin;
+  while (!self->over) {
+    PetscCall(TSSolve(self->leg.ts, self->leg.U));
+    PetscCall(TogetherAfterSolve(self));
   }
   PetscCall(TogetherProgress(self, PETSC_TRUE));
   PetscFunctionReturn(0);
@@ -81,7 +103,7 @@ static PetscErrorCode BeginAndRun(Together *self, PetscBool *again) {
   PetscCall(TogetherBegin(self));
   SignalsCatch();
   PetscCall(TogetherHeading(self));
-  PetscCall(Solve(self));
+  PetscCall(Follow(self));
   PetscCall(TogetherFinish(self, again));
   PetscFunctionReturn(0);
 }

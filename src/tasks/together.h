@@ -37,6 +37,11 @@ typedef struct {
   PetscReal before;   /* and the error estimate of the latest of them */
   Finer *finer;       /* [n], of -accuracy; NULL: not */
   PetscBool rtol_given;
+  PetscBool by_steps; /* a host program asks for one step after the other: TogetherStep() */
+  PetscReal until;    /* ... and what is beyond waits to be looked at */
+  PetscBool waits;    /* the step that was taken last does */
+  PetscBool enters;   /* the stepper begins to solve */
+  PetscBool over;     /* no step follows */
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
@@ -47,6 +52,12 @@ typedef struct {
 
 /* several.c: the loop */
 PetscErrorCode TogetherAfterStep(TS ts);
+PetscErrorCode TogetherAfterSolve(Together *self);
+
+/* together_steps.c: a run by steps */
+PetscErrorCode TogetherStep(Together *self, PetscReal until);
+PetscErrorCode TogetherWithin(Together *self, PetscReal t, Vec V[2]);
+PetscErrorCode TogetherSave(Together *self, const char *path, PetscReal t, PetscReal now);
 
 /* together_events.c */
 PetscErrorCode TogetherRefuseEvents(Together *self);

@@ -76,7 +76,7 @@ static PetscErrorCode ReadOptions(Together *self) {
   PetscCall(OptionReal("-output_interval", &every, &interval));
   UserCheck(!(interval && number), OptionsComm(),
             "-output_shapes: -output_interval says already when shapes are stored; leave one out");
-  if (!number && !interval && !self->file.path[0]) shapes = 1;
+  if (!number && !interval && !self->file.path[0] && !self->by_steps) shapes = 1;
   self->interval = interval ? every : self->end / (PetscReal)shapes;
   PetscFunctionReturn(0);
 }
@@ -159,6 +159,7 @@ static PetscErrorCode MakeSeen(Together *self, PetscInt k) {
   grow->model = SPACE;
   grow->rtol = self->rtol;
   grow->quiet = PETSC_TRUE;
+  grow->by_steps = self->by_steps;
   grow->end = self->end;
   grow->reach = grow->scene->reach;
   grow->now = &grow->leg[SPACE];
@@ -247,6 +248,7 @@ PetscErrorCode TogetherBegin(Together *self) {
   PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
   PetscCall(MakeLeg(self));
   self->leg.owner = self;
+  self->enters = PETSC_TRUE;
   self->U = self->leg.U;
   PetscCall(TSSetMaxTime(self->leg.ts, self->end));
   PetscCall(TSSetPostStep(self->leg.ts, TogetherAfterStep));
