@@ -22,13 +22,13 @@ static PetscErrorCode BeginSeveral(Tendril self) {
   UserCheck(ranks == 1, self->comm,
             "several rods run on one rank in this version: give MPI_COMM_SELF");
   PetscCall(SingleAsked(TASK_GROW, "", &self->asked));
-  PetscCall(PetscNew(&self->together));
-  self->together->restart = self->asked.restart;
-  self->together->stopped_by = -1;
-  self->together->by_steps = PETSC_TRUE;
-  PetscCall(TogetherBegin(self->together));
-  PetscCall(TogetherHeading(self->together));
-  self->rods = self->together->n;
+  PetscCall(PetscNew(&self->several));
+  self->several->restart = self->asked.restart;
+  self->several->stopped_by = -1;
+  self->several->by_steps = PETSC_TRUE;
+  PetscCall(RunBegin(self->several));
+  PetscCall(RunHeading(self->several));
+  self->rods = self->several->n;
   PetscFunctionReturn(0);
 }
 
@@ -58,45 +58,45 @@ PetscErrorCode CourseBegin(Tendril self) {
 PetscErrorCode CourseEnd(Tendril self) {
   PetscFunctionBegin;
   if (self->grow) PetscCall(GrowDestroy(self->grow));
-  if (self->together) PetscCall(TogetherEnd(self->together));
+  if (self->several) PetscCall(RunEnd(self->several));
   PetscCall(PetscFree(self->grow));
-  PetscCall(PetscFree(self->together));
+  PetscCall(PetscFree(self->several));
   if (self->scene) PetscCall(SceneDestroy(&self->scene));
   PetscFunctionReturn(0);
 }
 
 /* CourseIsThere - is the simulation set up? */
 PetscBool CourseIsThere(const struct Tendril_ *self) {
-  return (PetscBool)(self->grow || self->together);
+  return (PetscBool)(self->grow || self->several);
 }
 
 PetscBool CourseIsOver(const struct Tendril_ *self) {
-  return self->grow ? self->grow->over : self->together->over;
+  return self->grow ? self->grow->over : self->several->over;
 }
 
 /* CourseWaits - does the step that was taken last wait to be looked at? */
 PetscBool CourseWaits(const struct Tendril_ *self) {
-  return self->grow ? self->grow->waits : self->together->waits;
+  return self->grow ? self->grow->waits : self->several->waits;
 }
 
 /* CourseTime - the end of the latest step that was looked at. */
 PetscReal CourseTime(const struct Tendril_ *self) {
-  return self->grow ? self->grow->seen.t : self->together->t;
+  return self->grow ? self->grow->seen.t : self->several->t;
 }
 
 PetscReal CourseStart(const struct Tendril_ *self) {
-  return self->grow ? self->grow->start : self->together->start;
+  return self->grow ? self->grow->start : self->several->start;
 }
 
 /* CourseRod - what is seen of rod k. */
 Grow *CourseRod(const struct Tendril_ *self, PetscInt k) {
-  return self->grow ? self->grow : &self->together->each[k];
+  return self->grow ? self->grow : &self->several->each[k];
 }
 
 /* CourseStep - one step on; or what is beyond a time waits. Collective. */
 PetscErrorCode CourseStep(Tendril self, PetscReal until) {
   PetscFunctionBegin;
-  PetscCall(self->grow ? GrowStepOn(self->grow, until) : TogetherStep(self->together, until));
+  PetscCall(self->grow ? GrowStepOn(self->grow, until) : RunStep(self->several, until));
   PetscFunctionReturn(0);
 }
 
@@ -104,8 +104,8 @@ PetscErrorCode CourseStep(Tendril self, PetscReal until) {
  */
 PetscErrorCode CourseFinish(Tendril self, PetscBool *again) {
   PetscFunctionBegin;
-  PetscCall(self->grow ? GrowFinish(self->grow, again) : TogetherFinish(self->together, again));
-  if (self->together) *again = PETSC_FALSE; /* finer is for who asks for a whole run */
+  PetscCall(self->grow ? GrowFinish(self->grow, again) : RunFinish(self->several, again));
+  if (self->several) *again = PETSC_FALSE; /* finer is for who asks for a whole run */
   PetscFunctionReturn(0);
 }
 
@@ -120,18 +120,17 @@ PetscErrorCode CourseStartOver(Tendril self) {
 /* CourseState - the state of all and its rate at the present time; U NULL: as they begin. Borrowed
    from V where they are between steps: the caller destroys that. Collective. */
 PetscErrorCode CourseState(Tendril self, PetscReal t, Vec V[2], Vec *U, Vec *U_t) {
-  const Leg *leg = self->grow ? self->grow->now : &self->together->leg;
+  const Leg *leg = self->grow ? self->grow->now : &self->several->leg;
 
   PetscFunctionBegin;
   V[0] = V[1] = *U = *U_t = NULL;
   if (CourseWaits(self) && t > CourseTime(self)) {
-    PetscCall(self->grow ? GrowWithin(self->grow, t, V, NULL)
-                         : TogetherWithin(self->together, t, V));
+    PetscCall(self->grow ? GrowWithin(self->grow, t, V, NULL) : RunWithin(self->several, t, V));
     *U = V[0];
     *U_t = V[1];
   } else if (CourseTime(self) > 0) {
     *U = leg->U;
-    *U_t = self->grow ? leg->newton.latest.U_t : self->together->U_t;
+    *U_t = self->grow ? leg->newton.latest.U_t : self->several->U_t;
   }
   PetscFunctionReturn(0);
 }
@@ -141,7 +140,6 @@ PetscErrorCode CourseState(Tendril self, PetscReal t, Vec V[2], Vec *U, Vec *U_t
    now  the present time */
 PetscErrorCode CourseSave(Tendril self, const char *path, PetscReal t, PetscReal now) {
   PetscFunctionBegin;
-  PetscCall(self->grow ? GrowSave(self->grow, path, t, now)
-                       : TogetherSave(self->together, path, t, now));
+  PetscCall(self->grow ? GrowSave(self->grow, path, t, now) : RunSave(self->several, path, t, now));
   PetscFunctionReturn(0);
 }

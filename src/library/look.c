@@ -64,13 +64,13 @@ static PetscBool Within(const struct Tendril_ *self) {
 static PetscErrorCode Open(Tendril self, PetscInt k, Vec all, Vec *part) {
   PetscFunctionBegin;
   *part = all;
-  if (self->together && all) PetscCall(RodPartOpenRead(self->together->leg.rod, k, all, part));
+  if (self->several && all) PetscCall(RodPartOpenRead(self->several->leg.rod, k, all, part));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode Close(Tendril self, PetscInt k, Vec all, Vec *part) {
   PetscFunctionBegin;
-  if (self->together && all) PetscCall(RodPartCloseRead(self->together->leg.rod, k, all, part));
+  if (self->several && all) PetscCall(RodPartCloseRead(self->several->leg.rod, k, all, part));
   PetscFunctionReturn(0);
 }
 
@@ -103,7 +103,7 @@ static PetscErrorCode PutSum(Tendril self, PetscInt row) {
     for (PetscInt k = 0; k < n; k++)
       of_each[k] =
           OutputHolds(CourseRod(self, k)->output, i) ? self->sight[k].series.column[i][row] : NAN;
-    ((PetscReal *)&sum)[i] = SeveralSum(&self->together->file, i, of_each);
+    ((PetscReal *)&sum)[i] = SeveralSum(&self->several->file, i, of_each);
   }
   PetscCall(PetscFree(of_each));
   PetscCall(Put(&self->sight[n].series, &sum));
@@ -130,7 +130,7 @@ static PetscErrorCode LookWithin(Tendril self) {
     PetscCall(Close(self, k, U_t, &part[1]));
     PetscCall(Close(self, k, U, &part[0]));
   }
-  if (self->together) PetscCall(PutSum(self, self->sight[0].series.n));
+  if (self->several) PetscCall(PutSum(self, self->sight[0].series.n));
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
   PetscFunctionReturn(0);
 }
@@ -148,7 +148,7 @@ PetscErrorCode SimulationLook(Tendril self) {
   if (first->n && first->column[0][first->n - 1] >= self->at) PetscFunctionReturn(0);
   for (PetscInt k = 0; k < self->rods; k++)
     PetscCall(ColumnsAdd(&self->sight[k].series, &CourseRod(self, k)->seen));
-  if (self->together) PetscCall(SimulationAddSum(self, first->n - 1));
+  if (self->several) PetscCall(SimulationAddSum(self, first->n - 1));
   PetscFunctionReturn(0);
 }
 
@@ -166,18 +166,18 @@ int TendrilRods(Tendril self, int *n) {
 
 const char *TendrilRodName(Tendril self, int rod) {
   if (!self || !CourseIsThere(self) || rod < 0 || rod >= self->rods) return NULL;
-  return self->together ? RodsName(self->together->rods, rod) : "";
+  return self->several ? RodsName(self->several->rods, rod) : "";
 }
 
 /* Is there this series of rod k; behind the last: of all of them? */
 static PetscBool Has(const struct Tendril_ *self, PetscInt k, int observed) {
   return k < self->rods ? OutputHolds(CourseRod(self, k)->output, observed)
-                        : SeveralHas(&self->together->file, observed);
+                        : SeveralHas(&self->several->file, observed);
 }
 
 /* Where the series are that have no rod: of the only one, or of all. */
 static PetscInt Whole(const struct Tendril_ *self) {
-  return self->together ? self->rods : 0;
+  return self->several ? self->rods : 0;
 }
 
 const char *TendrilSeriesName(Tendril self, int k) {

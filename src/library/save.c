@@ -26,7 +26,7 @@ PetscErrorCode SimulationTakeRows(Tendril self) {
       PetscCall(ColumnsAdd(&self->sight[k].series, &row));
     }
   }
-  if (self->together) PetscCall(SumRows(self));
+  if (self->several) PetscCall(SumRows(self));
   PetscFunctionReturn(0);
 }
 

@@ -61,8 +61,7 @@ PetscErrorCode SimulationAgree(Tendril self) {
 int SimulationLeave(Tendril self, PetscErrorCode error) {
   const OwnLaw *law = FailedLaw(self);
 
-  if (self->together && self->together->rods && RodsLeave(self->together->rods))
-    error = PETSC_ERR_LIB;
+  if (self->several && self->several->rods && RodsLeave(self->several->rods)) error = PETSC_ERR_LIB;
   if (OptionsLeave()) error = PETSC_ERR_LIB;
   if (ErrorsEnd()) error = PETSC_ERR_LIB;
   self->inside = 0;

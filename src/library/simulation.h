@@ -4,7 +4,7 @@
 
 #include "base/spill.h"
 #include "tasks/single.h"
-#include "tasks/together.h"
+#include "tasks/several_run.h"
 #include <tendril.h>
 
 /* One value for each accepted step. Blocks that have become too small stay, for whoever looks into
@@ -35,9 +35,9 @@ struct Tendril_ {
   PetscOptions options; /* PETSc's, of those given */
   Reading reading;
   Single asked;
-  Scene scene;        /* of one rod */
-  Grow *grow;         /* a run of one rod, */
-  Together *together; /* or of several; both NULL: it is not set up */
+  Scene scene;  /* of one rod */
+  Grow *grow;   /* a run of one rod, */
+  Run *several; /* or of several; both NULL: it is not set up */
   PetscInt rods;
   PetscBool ended, failed, lost; /* the run: is at its end; gave up; a call has left it half-way */
   char failure[1024];            /* why it gave up */

@@ -2,7 +2,7 @@
    each is that of a run of its own (growing.h), by the leg that it has in that of all. */
 #include "tasks/several.h"
 #include "base/signals.h"
-#include "tasks/together.h"
+#include "tasks/several_run.h"
 #include "tasks/grow_rules.h"
 
 /* SeveralAsked - has the scene several rods, or the run that is gone on with? */
@@ -19,33 +19,33 @@ PetscErrorCode SeveralAsked(PetscBool *asked) {
 }
 
 /* Looks at the step to a time. */
-static PetscErrorCode TakeStep(Together *self, PetscReal t) {
+static PetscErrorCode TakeStep(Run *self, PetscReal t) {
   PetscReal speed;
   PetscBool begins;
 
   PetscFunctionBegin;
   self->U = self->leg.U;
   self->U_t = self->leg.newton.latest.U_t;
-  PetscCall(TogetherLocateEvent(self, &t));
-  PetscCall(TogetherLook(self, t, PETSC_FALSE));
+  PetscCall(RunLocateEvent(self, &t));
+  PetscCall(RunLook(self, t, PETSC_FALSE));
   PetscCall(LegSpeed(&self->leg, &speed, &begins));
   self->snaps += begins;
-  if (begins) (void)TogetherShare(self, PETSC_FALSE);
-  PetscCall(TogetherDue(self, t));
-  if (self->stopped_by >= 0) PetscCall(TogetherEndHere(self));
-  PetscCall(TogetherProgress(self, PETSC_FALSE));
+  if (begins) (void)RunShareMore(self, PETSC_FALSE);
+  PetscCall(RunStoreDue(self, t));
+  if (self->stopped_by >= 0) PetscCall(RunEndHere(self));
+  PetscCall(RunProgress(self, PETSC_FALSE));
   self->stopped = SignalCaught();
   if (self->stopped) PetscCall(TSSetConvergedReason(self->leg.ts, TS_CONVERGED_USER));
   if (SeveralDue(&self->file)) PetscCall(SeveralStore(&self->file, t, PETSC_FALSE));
   PetscFunctionReturn(0);
 }
 
-/* TogetherAfterStep - what the stepper calls behind each of its steps: looks at it, unless it is to
+/* RunAfterStep - what the stepper calls behind each of its steps: looks at it, unless it is to
    wait; as GrowAfterStep() has it. */
-PetscErrorCode TogetherAfterStep(TS ts) {
+PetscErrorCode RunAfterStep(TS ts) {
   TSConvergedReason reason;
   PetscInt steps, most;
-  Together *self;
+  Run *self;
   PetscReal t;
   Leg *leg;
 
@@ -53,7 +53,7 @@ PetscErrorCode TogetherAfterStep(TS ts) {
   PetscCall(TSGetConvergedReason(ts, &reason));
   if (reason < 0) PetscFunctionReturn(0); /* called after a step that failed, too */
   PetscCall(TSGetApplicationContext(ts, &leg));
-  self = (Together *)leg->owner;
+  self = (Run *)leg->owner;
   PetscCall(TSGetTime(ts, &t));
   PetscCall(TSGetStepNumber(ts, &steps));
   PetscCall(TSGetMaxSteps(ts, &most));
@@ -72,13 +72,13 @@ PetscErrorCode TogetherAfterStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherAfterSolve - what follows where the stepper has stopped. Rods in dry friction that find
+/* RunAfterSolve - what follows where the stepper has stopped. Rods in dry friction that find
    no step try again with a viscous share, or a larger one. */
-PetscErrorCode TogetherAfterSolve(Together *self) {
+PetscErrorCode RunAfterSolve(Run *self) {
   PetscFunctionBegin;
   PetscCall(TSGetConvergedReason(self->leg.ts, &self->reason));
   self->enters = PETSC_FALSE;
-  if (self->reason < 0 && !self->stopped && TogetherShare(self, PETSC_TRUE)) {
+  if (self->reason < 0 && !self->stopped && RunShareMore(self, PETSC_TRUE)) {
     PetscCall(TSRestartStep(self->leg.ts));
     PetscCall(TSSetTimeStep(self->leg.ts, grow_rule.again_step * self->end));
     self->enters = PETSC_TRUE;
@@ -87,24 +87,24 @@ PetscErrorCode TogetherAfterSolve(Together *self) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Follow(Together *self) {
+static PetscErrorCode Follow(Run *self) {
   PetscFunctionBegin;
   while (!self->over) {
     PetscCall(TSSolve(self->leg.ts, self->leg.U));
-    PetscCall(TogetherAfterSolve(self));
+    PetscCall(RunAfterSolve(self));
   }
-  PetscCall(TogetherProgress(self, PETSC_TRUE));
+  PetscCall(RunProgress(self, PETSC_TRUE));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode BeginAndRun(Together *self, PetscBool *again) {
+static PetscErrorCode BeginAndRun(Run *self, PetscBool *again) {
   PetscFunctionBegin;
   *again = PETSC_FALSE;
-  PetscCall(TogetherBegin(self));
+  PetscCall(RunBegin(self));
   SignalsCatch();
-  PetscCall(TogetherHeading(self));
+  PetscCall(RunHeading(self));
   PetscCall(Follow(self));
-  PetscCall(TogetherFinish(self, again));
+  PetscCall(RunFinish(self, again));
   PetscFunctionReturn(0);
 }
 
@@ -113,7 +113,7 @@ static PetscErrorCode BeginAndRun(Together *self, PetscBool *again) {
 PetscErrorCode SeveralRun(const Single *asked) {
   const OptionWords *given = &OptionsLine()->taken;
   const char *head = given->sections ? given->section[0].head : "rod";
-  Together run = {.restart = asked->restart, .stopped_by = -1};
+  Run run = {.restart = asked->restart, .stopped_by = -1};
   PetscErrorCode error;
   PetscMPIInt ranks;
   PetscBool again;
@@ -128,11 +128,11 @@ PetscErrorCode SeveralRun(const Single *asked) {
                          sizeof(run.file.path)));
   error = BeginAndRun(&run, &again);
   while (!error && again) {
-    PetscCall(TogetherStartOver(&run));
+    PetscCall(RunStartOver(&run));
     error = BeginAndRun(&run, &again);
   }
   if (error && run.ready) (void)SeveralStore(&run.file, run.t, PETSC_FALSE);
-  PetscCall(TogetherEnd(&run));
+  PetscCall(RunEnd(&run));
   PetscCall(error);
   PetscFunctionReturn(0);
 }

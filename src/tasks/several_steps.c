@@ -1,9 +1,9 @@
 /* -task grow of several rods: a run by steps, as grow.c has that of one. */
 #include "tasks/grow_rules.h"
-#include "tasks/together.h"
+#include "tasks/several_run.h"
 
-/* TogetherStep - as GrowStep(): takes one step or, if that has led beyond a time, lets it wait. */
-PetscErrorCode TogetherStep(Together *self, PetscReal until) {
+/* RunStep - as GrowStep(): takes one step or, if that has led beyond a time, lets it wait. */
+PetscErrorCode RunStep(Run *self, PetscReal until) {
   TS ts = self->leg.ts;
   PetscReal t;
 
@@ -13,20 +13,20 @@ PetscErrorCode TogetherStep(Together *self, PetscReal until) {
   if (self->over || (self->waits && t > until)) PetscFunctionReturn(0);
   if (self->waits) {
     PetscCall(TSSetConvergedReason(ts, self->reason));
-    PetscCall(TogetherAfterStep(ts));
+    PetscCall(RunAfterStep(ts));
   } else if (self->enters)
     PetscCall(TSSolve(ts, self->leg.U));
   else
     PetscCall(GrowStepOnce(ts));
-  if (!self->waits) PetscCall(TogetherAfterSolve(self));
+  if (!self->waits) PetscCall(RunAfterSolve(self));
   PetscFunctionReturn(0);
 }
 
-/* TogetherWithin - the state of all and its rate at a time within the latest step, or within the
+/* RunWithin - the state of all and its rate at a time within the latest step, or within the
    one that waits.
 
    V  made here: the caller destroys them */
-PetscErrorCode TogetherWithin(Together *self, PetscReal t, Vec V[2]) {
+PetscErrorCode RunWithin(Run *self, PetscReal t, Vec V[2]) {
   PetscReal end = self->t, h = self->each[0].seen.step;
 
   PetscFunctionBegin;
@@ -40,12 +40,12 @@ PetscErrorCode TogetherWithin(Together *self, PetscReal t, Vec V[2]) {
 }
 
 /* The present shapes are there, too. */
-static PetscErrorCode SaveNow(Together *self, const char *path) {
+static PetscErrorCode SaveNow(Run *self, const char *path) {
   const PetscReal stored = self->stored_shape;
   PetscErrorCode error;
 
   PetscFunctionBegin;
-  if (stored != self->t) PetscCall(TogetherShape(self, self->t, self->leg.U));
+  if (stored != self->t) PetscCall(RunStoreShape(self, self->t, self->leg.U));
   error = SeveralSave(
       &self->file, path, self->t,
       (PetscBool)(self->over && (self->reason == TS_CONVERGED_TIME || self->stopped_by >= 0)));
@@ -56,11 +56,11 @@ static PetscErrorCode SaveNow(Together *self, const char *path) {
 }
 
 /*
-  TogetherSave - writes a result file of a run by steps as of now, behind a step.
+  RunSave - writes a result file of a run by steps as of now, behind a step.
 
   now  the present time
 */
-PetscErrorCode TogetherSave(Together *self, const char *path, PetscReal t, PetscReal now) {
+PetscErrorCode RunSave(Run *self, const char *path, PetscReal t, PetscReal now) {
   PetscFunctionBegin;
   UserCheck(PetscAbsReal(t - now) <= grow_rule.same_time * now && !(self->waits && now > self->t),
             OptionsComm(),

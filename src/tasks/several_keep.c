@@ -1,10 +1,10 @@
 /* -task grow of several rods: what a run needs to go on. */
-#include "tasks/together.h"
+#include "tasks/several_run.h"
 #include "rod/ask.h"
 
 /* The errors of one rod, which are followed, as its part of those of all; back: taken from there.
  */
-static PetscErrorCode CopyErrors(const Together *self, PetscInt k, Vec all[], Vec own[],
+static PetscErrorCode CopyErrors(const Run *self, PetscInt k, Vec all[], Vec own[],
                                  PetscBool back) {
   Vec part;
 
@@ -18,7 +18,7 @@ static PetscErrorCode CopyErrors(const Together *self, PetscInt k, Vec all[], Ve
 }
 
 /* Of each rod, and its errors. */
-static PetscErrorCode KeepEach(Together *self, RestartState own[], Vec all[]) {
+static PetscErrorCode KeepEach(Run *self, RestartState own[], Vec all[]) {
   Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
 
   PetscFunctionBegin;
@@ -32,9 +32,9 @@ static PetscErrorCode KeepEach(Together *self, RestartState own[], Vec all[]) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherKeep - keeps it in a file that is being written: of a Several. */
-PetscErrorCode TogetherKeep(void *ctx, HdfFile file) {
-  Together *self = (Together *)ctx;
+/* RunKeep - keeps it in a file that is being written: of a Several. */
+PetscErrorCode RunKeep(void *ctx, HdfFile file) {
+  Run *self = (Run *)ctx;
   Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
   RestartState state = {.model = SPACE}, *own;
   PetscInt iterations, rejected;
@@ -69,9 +69,9 @@ static void DropEvents(OptionWords *words) {
     }
 }
 
-/* TogetherReadRestart - reads it, and the rods of the file, which count unless the scene is given
+/* RunReadRestart - reads it, and the rods of the file, which count unless the scene is given
    anew. */
-PetscErrorCode TogetherReadRestart(Together *self) {
+PetscErrorCode RunReadRestart(Run *self) {
   char fault[WORDS_FAULT] = "", *text;
   PetscBool begun, stopped;
 
@@ -89,8 +89,8 @@ PetscErrorCode TogetherReadRestart(Together *self) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherCheckSame - the rods are those of the file, in its order. */
-PetscErrorCode TogetherCheckSame(const Together *self) {
+/* RunCheckSame - the rods are those of the file, in its order. */
+PetscErrorCode RunCheckSame(const Run *self) {
   PetscInt rods = 0;
 
   PetscFunctionBegin;
@@ -107,8 +107,8 @@ PetscErrorCode TogetherCheckSame(const Together *self) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherReadEach - what each remembers. */
-PetscErrorCode TogetherReadEach(Together *self) {
+/* RunReadEach - what each remembers. */
+PetscErrorCode RunReadEach(Run *self) {
   char text[64];
 
   PetscFunctionBegin;
@@ -121,7 +121,7 @@ PetscErrorCode TogetherReadEach(Together *self) {
 }
 
 /* One rod goes on. */
-static PetscErrorCode GoOnEach(Together *self, PetscInt k, Vec all[]) {
+static PetscErrorCode GoOnEach(Run *self, PetscInt k, Vec all[]) {
   const RestartState *state = &self->own[k];
   Grow *grow = &self->each[k];
   LegMeasure *of = &self->leg.of[k];
@@ -149,8 +149,8 @@ static PetscErrorCode GoOnEach(Together *self, PetscInt k, Vec all[]) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherGoOn - all of them do. */
-PetscErrorCode TogetherGoOn(Together *self) {
+/* RunGoOn - all of them do. */
+PetscErrorCode RunGoOn(Run *self) {
   Vec errors[ESTIMATE_KEPT];
   char text[64];
 
@@ -160,13 +160,13 @@ PetscErrorCode TogetherGoOn(Together *self) {
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDuplicate(self->leg.U, &errors[i]));
   PetscCall(RestartReadErrors(self->restart, &self->from, PETSC_COMM_SELF, errors));
   for (PetscInt k = 0; k < self->n; k++) PetscCall(GoOnEach(self, k, errors));
-  TogetherEase(self, self->from.ease);
+  RunEaseEach(self, self->from.ease);
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDestroy(&errors[i]));
   self->t = self->start = self->stored_shape = self->from.t;
   self->snaps = (PetscInt)self->from.kept.snaps;
   PetscCall(PetscArraycpy(self->counted, self->from.counted, 2));
   PetscCall(SeveralTake(&self->file, self->restart, self->t, self->interval));
-  PetscCall(TogetherRefuseEvents(self));
+  PetscCall(RunRefuseEvents(self));
   self->next_output = OutputNext(self->t, self->interval);
   if (!self->quiet)
     PetscCall(PetscPrintf(PETSC_COMM_SELF, "goes on from t = %s of %s, into %s\n",

@@ -2,10 +2,10 @@
    until the told error of none is above it. */
 #include "tasks/accuracy.h"
 #include "tasks/grow_rules.h"
-#include "tasks/together.h"
+#include "tasks/several_run.h"
 
 /* What a rod's own options tell of its mesh, and of the steps that it wants. */
-static PetscErrorCode FirstOf(Together *self, PetscInt k, PetscReal *rtol) {
+static PetscErrorCode FirstOf(Run *self, PetscInt k, PetscReal *rtol) {
   Finer *rod = &self->finer[k];
   PetscReal wants;
   char text[32];
@@ -25,7 +25,7 @@ static PetscErrorCode FirstOf(Together *self, PetscInt k, PetscReal *rtol) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode SetTolerance(Together *self, PetscReal rtol, PetscBool touches) {
+static PetscErrorCode SetTolerance(Run *self, PetscReal rtol, PetscBool touches) {
   char text[32];
 
   PetscFunctionBegin;
@@ -37,9 +37,9 @@ static PetscErrorCode SetTolerance(Together *self, PetscReal rtol, PetscBool tou
   PetscFunctionReturn(0);
 }
 
-/* TogetherAccuracy - sets what is not given from -accuracy, in the first run; touches: any rod can
+/* RunAccuracy - sets what is not given from -accuracy, in the first run; touches: any rod can
    touch something. */
-PetscErrorCode TogetherAccuracy(Together *self, PetscBool touches) {
+PetscErrorCode RunAccuracy(Run *self, PetscBool touches) {
   PetscReal rtol = PETSC_MAX_REAL;
   PetscBool set, eased;
 
@@ -59,7 +59,7 @@ PetscErrorCode TogetherAccuracy(Together *self, PetscBool touches) {
 
 /* What the rods are to be finer by: each by its own errors or, where they feel each other, all by
    the largest. */
-static AccuracyNeeds Needs(const Together *self, PetscInt k) {
+static AccuracyNeeds Needs(const Run *self, PetscInt k) {
   AccuracyNeeds most = {1, 1, 1};
 
   for (PetscInt i = 0; i < self->n; i++) {
@@ -74,7 +74,7 @@ static AccuracyNeeds Needs(const Together *self, PetscInt k) {
 }
 
 /* Rod k is to have that option from now on. */
-static PetscErrorCode Put(Together *self, PetscInt k, const char *name, PetscReal value) {
+static PetscErrorCode Put(Run *self, PetscInt k, const char *name, PetscReal value) {
   char text[32];
 
   PetscFunctionBegin;
@@ -84,8 +84,7 @@ static PetscErrorCode Put(Together *self, PetscInt k, const char *name, PetscRea
 }
 
 /* A finer mesh, and firmer contact. */
-static PetscErrorCode RefineRod(Together *self, PetscInt k, const AccuracyNeeds *needs,
-                                PetscBool *can) {
+static PetscErrorCode RefineRod(Run *self, PetscInt k, const AccuracyNeeds *needs, PetscBool *can) {
   Finer *rod = &self->finer[k];
 
   PetscFunctionBegin;
@@ -103,7 +102,7 @@ static PetscErrorCode RefineRod(Together *self, PetscInt k, const AccuracyNeeds 
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Refine(Together *self, PetscBool *can) {
+static PetscErrorCode Refine(Run *self, PetscBool *can) {
   PetscReal steps = 1;
 
   PetscFunctionBegin;
@@ -119,9 +118,9 @@ static PetscErrorCode Refine(Together *self, PetscBool *can) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherRefine - is the run to be repeated, for errors are above -accuracy? It is then finer.
+/* RunRefine - is the run to be repeated, for errors are above -accuracy? It is then finer.
    What cannot be is told. */
-PetscErrorCode TogetherRefine(Together *self, PetscBool *again) {
+PetscErrorCode RunRefine(Run *self, PetscBool *again) {
   PetscReal most = 0;
   PetscInt cells = 0;
   PetscBool helps;
@@ -151,21 +150,21 @@ PetscErrorCode TogetherRefine(Together *self, PetscBool *again) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherStartOver - ends a run, whose rods are then ready to be run once more. */
-PetscErrorCode TogetherStartOver(Together *self) {
-  Together begun = {.restart = self->restart,
-                    .stopped_by = -1,
-                    .rods = self->rods,
-                    .finer = self->finer,
-                    .rtol_given = self->rtol_given,
-                    .runs = self->runs,
-                    .before = self->before};
+/* RunStartOver - ends a run, whose rods are then ready to be run once more. */
+PetscErrorCode RunStartOver(Run *self) {
+  Run begun = {.restart = self->restart,
+               .stopped_by = -1,
+               .rods = self->rods,
+               .finer = self->finer,
+               .rtol_given = self->rtol_given,
+               .runs = self->runs,
+               .before = self->before};
 
   PetscFunctionBegin;
   PetscCall(PetscStrncpy(begun.file.path, self->file.path, sizeof(begun.file.path)));
   self->rods = NULL;
   self->finer = NULL;
-  PetscCall(TogetherEnd(self));
+  PetscCall(RunEnd(self));
   *self = begun;
   PetscCall(RodsAnew(self->rods));
   PetscFunctionReturn(0);

@@ -1,8 +1,8 @@
 /* -task grow of several rods: events, of any of them, located in time. */
-#include "tasks/together.h"
+#include "tasks/several_run.h"
 #include "rod/ask.h"
 
-static PetscBool Watches(const Together *self) {
+static PetscBool Watches(const Run *self) {
   for (PetscInt k = 0; k < self->n; k++)
     if (self->each[k].watch.any) return PETSC_TRUE;
   return PETSC_FALSE;
@@ -11,8 +11,7 @@ static PetscBool Watches(const Together *self) {
 /* Has an event happened to any rod in a state of all, at a time? U NULL: as they begin.
 
    which  the rod; -1: to none */
-static PetscErrorCode LookForEvent(Together *self, PetscReal t, Vec U, Event *event,
-                                   PetscInt *which) {
+static PetscErrorCode LookForEvent(Run *self, PetscReal t, Vec U, Event *event, PetscInt *which) {
   Vec part = NULL;
 
   PetscFunctionBegin;
@@ -29,8 +28,8 @@ static PetscErrorCode LookForEvent(Together *self, PetscReal t, Vec U, Event *ev
   PetscFunctionReturn(0);
 }
 
-/* TogetherRefuseEvents - refuses what ends the run where it begins, or goes on. */
-PetscErrorCode TogetherRefuseEvents(Together *self) {
+/* RunRefuseEvents - refuses what ends the run where it begins, or goes on. */
+PetscErrorCode RunRefuseEvents(Run *self) {
   PetscInt which;
   char text[64];
   Event event;
@@ -46,10 +45,10 @@ PetscErrorCode TogetherRefuseEvents(Together *self) {
 }
 
 /*
-  TogetherLocateEvent - if an event has happened to a rod in the step to t: finds the first one by
+  RunLocateEvent - if an event has happened to a rod in the step to t: finds the first one by
   bisection on the dense output; t and the state that was come to are then those of the event.
 */
-PetscErrorCode TogetherLocateEvent(Together *self, PetscReal *t) {
+PetscErrorCode RunLocateEvent(Run *self, PetscReal *t) {
   PetscReal low = self->t, end = *t, high = end;
   const PetscReal before = low;
   PetscInt which;
@@ -80,8 +79,8 @@ PetscErrorCode TogetherLocateEvent(Together *self, PetscReal *t) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherEndHere - the run ends in the state of its event, which has been looked at. */
-PetscErrorCode TogetherEndHere(Together *self) {
+/* RunEndHere - the run ends in the state of its event, which has been looked at. */
+PetscErrorCode RunEndHere(Run *self) {
   PetscFunctionBegin;
   PetscCall(VecCopy(self->here[0], self->leg.U));
   PetscCall(TSSetConvergedReason(self->leg.ts, TS_CONVERGED_USER));

@@ -1,5 +1,5 @@
 /* -task grow of several rods: what is asked for, and how they begin. */
-#include "tasks/together.h"
+#include "tasks/several_run.h"
 #include "rod/ask.h"
 #include "system/model.h"
 #include "tasks/single.h"
@@ -15,7 +15,7 @@ static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode MakeScene(Together *self, PetscInt k, const Rod each[]) {
+static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
   PetscBool carried, touch = PETSC_FALSE;
   const char *why;
   Scene scene;
@@ -44,7 +44,7 @@ static PetscErrorCode MakeScene(Together *self, PetscInt k, const Rod each[]) {
 }
 
 /* As of a rod alone; can any touch something, by what is given? */
-static PetscErrorCode ReadTolerance(Together *self) {
+static PetscErrorCode ReadTolerance(Run *self) {
   PetscBool touches = RodsTouch(self->rods);
 
   PetscFunctionBegin;
@@ -54,12 +54,12 @@ static PetscErrorCode ReadTolerance(Together *self) {
     if (!touches) PetscCall(OptionGiven("-contact_self", &touches));
     PetscCall(RodsLeave(self->rods));
   }
-  PetscCall(TogetherAccuracy(self, touches));
+  PetscCall(RunAccuracy(self, touches));
   PetscCall(GrowTolerance(touches, &self->rtol, &self->eased));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode ReadOptions(Together *self) {
+static PetscErrorCode ReadOptions(Run *self) {
   PetscBool interval, number;
   PetscInt model, shapes;
   PetscReal every;
@@ -81,50 +81,7 @@ static PetscErrorCode ReadOptions(Together *self) {
   PetscFunctionReturn(0);
 }
 
-/* RodsMeet() */
-static PetscErrorCode Meet(void *ctx, PetscInt a, PetscInt b, StrandMeeting *how) {
-  PetscFunctionBegin;
-  RodsMeet((Rods)ctx, a, b, how);
-  PetscFunctionReturn(0);
-}
-
-/* The node of a rod at which it is held by a joint. */
-static PetscInt HeldAt(const Together *self, const Joint *joint) {
-  return joint->tip ? self->scene[joint->rod]->mesh.cells : 0;
-}
-
-/* Rods do not touch near a joint, neither those that are held in one place nor what holds them. */
-static PetscErrorCode JoinStrands(const Together *self, Strands strands) {
-  PetscFunctionBegin;
-  for (PetscInt j = 0; j < JointsCount(self->joints); j++) {
-    const Joint *joint = JointsGet(self->joints, j);
-    const PetscInt of[2] = {joint->rod, joint->carrier}, at[2] = {HeldAt(self, joint), joint->node};
-    PetscCall(StrandsJoin(strands, of, at));
-    for (PetscInt k = 0; k < j; k++) {
-      const Joint *other = JointsGet(self->joints, k);
-      const PetscInt both[2] = {joint->rod, other->rod}, ends[2] = {at[0], HeldAt(self, other)};
-      if (other->carrier == joint->carrier && other->node == joint->node)
-        PetscCall(StrandsJoin(strands, both, ends));
-    }
-  }
-  PetscFunctionReturn(0);
-}
-
-/* What looks for strands, if any rod can touch itself or another one. */
-static PetscErrorCode MakeStrands(Together *self) {
-  PetscBool any = PETSC_FALSE;
-
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < self->n; k++)
-    if (self->scene[k]->contact.among) any = PETSC_TRUE;
-  for (int i = 0; i < 2 && any; i++)
-    PetscCall(StrandsCreateSeveral(self->n, self->scene, Meet, self->rods, &self->strands[i]));
-  for (int i = 0; i < 2 && any; i++) PetscCall(JoinStrands(self, self->strands[i]));
-  RodForget(&self->looked);
-  PetscFunctionReturn(0);
-}
-
-static PetscErrorCode MakeLeg(Together *self) {
+static PetscErrorCode MakeLeg(Run *self) {
   Rod *each, all;
 
   PetscFunctionBegin;
@@ -140,7 +97,7 @@ static PetscErrorCode MakeLeg(Together *self) {
     if (self->scene[k]->contact.diameter <= 0) PetscCall(RodsRefuseThin(self->rods, k));
   }
   PetscCall(JointsClose(self->joints, self->rods, each));
-  PetscCall(MakeStrands(self));
+  PetscCall(RunMakeStrands(self));
   PetscCall(SystemCreate(self->n, each, self->joints, self->strands[0], &all));
   PetscCall(PetscFree(each));
   PetscCall(LegCreateOf(all, self->rtol, &self->leg));
@@ -151,7 +108,7 @@ static PetscErrorCode MakeLeg(Together *self) {
 }
 
 /* What is seen of one rod. */
-static PetscErrorCode MakeSeen(Together *self, PetscInt k) {
+static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   Grow *grow = &self->each[k];
 
   PetscFunctionBegin;
@@ -173,7 +130,7 @@ static PetscErrorCode MakeSeen(Together *self, PetscInt k) {
     PetscCall(EstimateCreate(grow->now, &grow->estimate));
   PetscCall(WatchSetFromOptions(&grow->watch, grow->scene));
   PetscCall(ObserverCreate(grow->scene, &grow->observer));
-  if (grow->scene->contact.among) ObserverAmong(grow->observer, TogetherTellStrands, self, k);
+  if (grow->scene->contact.among) ObserverAmong(grow->observer, RunTellStrands, self, k);
   PetscCall(OutputCreate("", grow->scene, &grow->output));
   PetscCall(OutputKeep(grow->output, PETSC_TRUE, PETSC_TRUE));
   if (GrowFollowsErrors(grow)) PetscCall(OutputFollows(grow->output));
@@ -182,14 +139,14 @@ static PetscErrorCode MakeSeen(Together *self, PetscInt k) {
 }
 
 /* Refuses rods that begin within each other. */
-static PetscErrorCode CheckApart(Together *self, PetscInt k) {
+static PetscErrorCode CheckApart(Run *self, PetscInt k) {
   const Contact *contact = &self->scene[k]->contact;
   char depth[64], place[96];
   StrandsOn on;
 
   PetscFunctionBegin;
   if (!contact->among) PetscFunctionReturn(0);
-  PetscCall(TogetherTellStrands(self, k, 0, PETSC_FALSE, &on));
+  PetscCall(RunTellStrands(self, k, 0, PETSC_FALSE, &on));
   UserCheck(on.sum.rod == k || on.sum.nearest >= -contact->smooth, OptionsComm(),
             "rods %s and %s are %s deep in each other at the start, at %s; give one another "
             "-clamp_place, or take -contact false for [pair %s %s]",
@@ -200,7 +157,7 @@ static PetscErrorCode CheckApart(Together *self, PetscInt k) {
 }
 
 /* Each begins where it can, all of them being where they begin. */
-static PetscErrorCode CheckStarts(Together *self) {
+static PetscErrorCode CheckStarts(Run *self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) PetscCall(CheckApart(self, k));
   for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) {
@@ -212,7 +169,7 @@ static PetscErrorCode CheckStarts(Together *self) {
 }
 
 /* Refuses rods that hold each other in a ring if what they bear there is not determined. */
-static PetscErrorCode CheckRings(Together *self) {
+static PetscErrorCode CheckRings(Run *self) {
   const Joint *closes = NULL;
   PetscBool determined;
 
@@ -231,19 +188,19 @@ static PetscErrorCode CheckRings(Together *self) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherBegin - the rods of the scene as they begin, or as the file has them from which they go
-   on. The caller ends it with TogetherEnd(), also after an error. */
-PetscErrorCode TogetherBegin(Together *self) {
+/* RunBegin - the rods of the scene as they begin, or as the file has them from which they go
+   on. The caller ends it with RunEnd(), also after an error. */
+PetscErrorCode RunBegin(Run *self) {
   const OptionWords *given = &OptionsLine()->taken;
 
   PetscFunctionBegin;
-  if (self->restart[0]) PetscCall(TogetherReadRestart(self));
+  if (self->restart[0]) PetscCall(RunReadRestart(self));
   if (!self->rods) PetscCall(RodsRead(given->sections ? given : &self->words, &self->rods));
   self->n = RodsCount(self->rods);
   UserCheck(self->n > 0, OptionsComm(), "[rods]: the table has no row, and so there is no rod");
-  if (self->restart[0]) PetscCall(TogetherCheckSame(self));
+  if (self->restart[0]) PetscCall(RunCheckSame(self));
   PetscCall(ReadOptions(self));
-  if (self->restart[0]) PetscCall(TogetherReadEach(self));
+  if (self->restart[0]) PetscCall(RunReadEach(self));
   PetscCall(JointsRead(self->rods, &self->joints));
   PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
   PetscCall(MakeLeg(self));
@@ -251,7 +208,7 @@ PetscErrorCode TogetherBegin(Together *self) {
   self->enters = PETSC_TRUE;
   self->U = self->leg.U;
   PetscCall(TSSetMaxTime(self->leg.ts, self->end));
-  PetscCall(TSSetPostStep(self->leg.ts, TogetherAfterStep));
+  PetscCall(TSSetPostStep(self->leg.ts, RunAfterStep));
   PetscCall(LegEndAtTurns(&self->leg));
   if (JointsCount(self->joints)) PetscCall(EstimateCreate(&self->leg, &self->estimate));
   for (PetscInt k = 0; k < self->n; k++) {
@@ -269,16 +226,16 @@ PetscErrorCode TogetherBegin(Together *self) {
   self->file.n = self->n;
   self->file.touch = (PetscBool)(self->strands[1] != NULL);
   self->file.each = self->output;
-  self->file.keep = TogetherKeep;
+  self->file.keep = RunKeep;
   self->file.ctx = self;
   PetscCall(SeveralBegin(&self->file));
   self->begun = PETSC_TRUE;
   if (self->restart[0])
-    PetscCall(TogetherGoOn(self));
+    PetscCall(RunGoOn(self));
   else {
-    PetscCall(TogetherRefuseEvents(self));
-    PetscCall(TogetherLook(self, 0, PETSC_TRUE));
-    PetscCall(TogetherShape(self, 0, NULL));
+    PetscCall(RunRefuseEvents(self));
+    PetscCall(RunLook(self, 0, PETSC_TRUE));
+    PetscCall(RunStoreShape(self, 0, NULL));
     self->next_output = self->interval;
   }
   self->ready = PETSC_TRUE;
@@ -286,7 +243,7 @@ PetscErrorCode TogetherBegin(Together *self) {
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode TogetherEnd(Together *self) {
+PetscErrorCode RunEnd(Run *self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && self->each; k++) {
     PetscCall(OutputDestroy(&self->each[k].output));

@@ -1,9 +1,9 @@
 /* -task grow of several rods: what is told of them, and the end. */
-#include "tasks/together.h"
+#include "tasks/several_run.h"
 #include <petsctime.h>
 
 /* Rods that have a diameter and do not touch each other all the same. */
-static PetscErrorCode TellApart(const Together *self) {
+static PetscErrorCode TellApart(const Run *self) {
   PetscInt thick = 0;
 
   PetscFunctionBegin;
@@ -15,8 +15,8 @@ static PetscErrorCode TellApart(const Together *self) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherHeading - the first lines. */
-PetscErrorCode TogetherHeading(Together *self) {
+/* RunHeading - the first lines. */
+PetscErrorCode RunHeading(Run *self) {
   PetscReal factor;
   const char *unit = OptionShownIn(self->end, UNIT_TIME, &factor);
 
@@ -31,8 +31,8 @@ PetscErrorCode TogetherHeading(Together *self) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherProgress - a line now and then. */
-PetscErrorCode TogetherProgress(Together *self, PetscBool last) {
+/* RunProgress - a line now and then. */
+PetscErrorCode RunProgress(Run *self, PetscBool last) {
   PetscReal length = 0, time, unit;
   char left[32];
 
@@ -49,7 +49,7 @@ PetscErrorCode TogetherProgress(Together *self, PetscBool last) {
 }
 
 /* A line for each rod. */
-static PetscErrorCode TellRods(Together *self) {
+static PetscErrorCode TellRods(Run *self) {
   char text[4][32], name[ROD_NAME + 2];
 
   PetscFunctionBegin;
@@ -72,7 +72,7 @@ static PetscErrorCode TellRods(Together *self) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode Summary(Together *self) {
+static PetscErrorCode Summary(Run *self) {
   PetscInt steps, rejected, iterations;
   PetscLogDouble now;
   char text[64];
@@ -104,7 +104,7 @@ static PetscErrorCode Summary(Together *self) {
 
 /* The rod whose fields move fastest in the latest step: what a line for a run that gave up names.
  */
-static PetscInt Fastest(const Together *self) {
+static PetscInt Fastest(const Run *self) {
   PetscInt which = 0;
 
   for (PetscInt k = 1; k < self->n; k++)
@@ -112,7 +112,7 @@ static PetscInt Fastest(const Together *self) {
   return which;
 }
 
-static PetscErrorCode Verdict(Together *self) {
+static PetscErrorCode Verdict(Run *self) {
   const char *const kept = self->file.path[0] ? "the results up to there are stored"
                                               : "nothing is stored without "
                                                 "-output FILE";
@@ -136,15 +136,15 @@ static PetscErrorCode Verdict(Together *self) {
   PetscFunctionReturn(0);
 }
 
-/* TogetherFinish - what a run leaves that is over, and the line for an end that was not asked for.
+/* RunFinish - what a run leaves that is over, and the line for an end that was not asked for.
 
    again  it is to be run once more, as accurate as asked for */
-PetscErrorCode TogetherFinish(Together *self, PetscBool *again) {
+PetscErrorCode RunFinish(Run *self, PetscBool *again) {
   char text[2][64] = {""};
 
   PetscFunctionBegin;
   PetscCall(Summary(self));
-  if (self->t != self->stored_shape) PetscCall(TogetherShape(self, self->t, self->leg.U));
+  if (self->t != self->stored_shape) PetscCall(RunStoreShape(self, self->t, self->leg.U));
   if (self->stopped)
     (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
                    OptionBoth(self->t, UNIT_TIME, text[1]));
@@ -155,6 +155,6 @@ PetscErrorCode TogetherFinish(Together *self, PetscBool *again) {
   PetscCall(SeveralStore(&self->file, self->t,
                          (PetscBool)(self->reason == TS_CONVERGED_TIME || self->stopped_by >= 0)));
   PetscCall(Verdict(self));
-  PetscCall(TogetherRefine(self, again));
+  PetscCall(RunRefine(self, again));
   PetscFunctionReturn(0);
 }
