@@ -525,6 +525,25 @@ PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscIn
   PetscFunctionReturn(0);
 }
 
+/* SceneLampHasRoom - ... where -tropism_source, which the options have by now, puts the lamp? Of a
+   rod without a diameter, as near as a thousandth of its length. */
+PetscErrorCode SceneLampHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
+                                const PetscReal x[][3], PetscBool *has) {
+  const PetscReal part = 1e-3;
+  Tropism trial = scene->tropism;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(TropismChange(&trial, "-tropism_source", (const PetscReal(*)[3])scene->space.lab,
+                          scene->space.place, scene->space.rod));
+  PetscCall(GrowthLength(scene->growth, t, &length, NULL));
+  *has = PETSC_TRUE;
+  for (PetscInt i = 0; i + 1 < n && *has; i++)
+    *has = (PetscBool)(TropismNearLamp(&trial, x[i], x[i + 1]) >
+                       PetscMax(scene->contact.diameter / 2, part * length));
+  PetscFunctionReturn(0);
+}
+
 /* SceneChangeAbout - lines about mistakes name the row; NULL: no longer. */
 void SceneChangeAbout(const ChangeRow *row) {
   char text[96] = "", t[64];

@@ -333,7 +333,8 @@ class Played(unittest.TestCase):
             ends[lamp] = sim.theta[-1]
         self.assertTrue(ends["4,-1"] < 0 < ends["4,1"] < ends["-4,1"], ends)
         sim = tendril.Simulation(**options)
-        for name, value, line in (("tropism_gravity", 1, "is 0 in this run"), ("tropism_source", "1,1,1", "out of the plane"), ("tropism_direction", "0,1", "is not sensed")):
+        on_it = ",".join(map(repr, sim.x[20].tolist()))
+        for name, value, line in (("tropism_source", on_it, "the rod is there"), ("tropism_gravity", 1, "is 0 in this run"), ("tropism_source", "1,1,1", "out of the plane"), ("tropism_direction", "0,1", "is not sensed")):
             with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
                 sim.set(name, value)
 

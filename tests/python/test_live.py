@@ -136,11 +136,12 @@ class Faults(Live):
                          '{"do": "set", "name": "rod_cells", "value": 5}', '{"do": "set", "name": "feed_speed", "value": "fast"}',
                          '{"do": "set", "name": "feed_speed", "value": 1' + 400 * "0" + "}", '{"do": "pace", "pace": 1' + 400 * "0" + "}",
                          '{"do": "set", "name": "feed_speed", "value": NaN}', '{"do": "set", "name": "feed_speed"}', '{"do": "wall", "line": 99, "shift": [0, 0]}',
-                         '{"do": "wall", "line": 1, "shift": ["a", 0]}', '{"do": "hand", "force": "up"}', '{"do": "back", "t": 1e9}', '{"do": "pace", "pace": -1}',
+                         '{"do": "wall", "line": 1, "shift": ["a", 0]}', '{"do": "turn", "line": 1, "angle": NaN}', '{"do": "hand", "force": [NaN, 0]}', '{"do": "hand", "force": "up"}', '{"do": "back", "t": 1e9}', '{"do": "pace", "pace": -1}',
                          '{"do": "branch", "branch": 77}', '{"do": "lead", "place": [1, 0]}', '{"do": "set", "name": "wall_friction 1", "value": -1}'):
                 with self.subTest(text[:60]):
                     socket.send(text)
-                    self.assertTrue(told(socket, "refused")["text"])
+                    said = told(socket, "refused")["text"]
+                    self.assertRegex(said, "give a finite number" if "NaN" in text else ".")  # by the name that it has on the page
         with self.socket() as socket:
             after = told(socket, "whole")
         self.assertEqual((after["t"], after["changes"], after["running"]), (before["t"], before["changes"], before["running"]))
