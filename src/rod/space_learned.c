@@ -7,24 +7,16 @@
 /* The director that a bend is about. */
 static const int turn[TROPISM_BENDS] = {2, 1};
 
-static void PlaceOf(const Point *p, TropismPlace *place) {
-  memcpy(place->x, p->at.x, sizeof(place->x));
-  memcpy(place->d2, p->d[1], sizeof(place->d2));
-  memcpy(place->d3, p->d[2], sizeof(place->d3));
-}
-
 /* What a place senses, where p is, and its bends. */
 static void SeePoint(const Rod rod, PetscInt place, const Point *p, LearnedPoint *point) {
   const Law *law = &((const Space_ *)rod->data)->law[place];
   PetscReal pull[3] = {0};
-  TropismPlace at;
 
-  PlaceOf(p, &at);
-  if (LearnedSenses(rod, place)) TropismPull(&rod->scene->tropism, at.x, pull, NULL);
+  if (LearnedSenses(rod, place)) TropismPull(&rod->scene->tropism, p->at.x, pull, NULL);
   for (int b = 0; b < TROPISM_BENDS; b++) {
-    point->sensed[b] = TropismSensed(&at, b, pull);
+    point->sensed[b] = TropismSensed(&p->at, b, pull);
     point->natural[b] = law->u0[turn[b]];
-    point->elastic[b] = law->flex[turn[b]] * Dot3(p->d[turn[b]], p->m);
+    point->elastic[b] = law->flex[turn[b]] * Dot3(p->at.axes[turn[b]], p->m);
   }
 }
 
@@ -32,22 +24,19 @@ static void SeePoint(const Rod rod, PetscInt place, const Point *p, LearnedPoint
    bends of material that has learned nothing. */
 PetscErrorCode SpaceLearnedSees(Rod rod, PetscReal t, const PetscReal u[], LearnedPoint *point) {
   const PetscReal *p = u + P, *m = u + M;
-  PetscReal pull[3] = {0}, B, S[3], u0[3], d[3][3];
-  TropismPlace at;
+  PetscReal pull[3] = {0}, B, S[3], u0[3];
+  Place at = {.t = t};
 
   PetscFunctionBegin;
-  Directors(p, QuaternionSize(p), d);
-  memcpy(at.x, u + X, sizeof(at.x));
-  memcpy(at.d2, d[1], sizeof(at.d2));
-  memcpy(at.d3, d[2], sizeof(at.d3));
-  if (rod->scene->tropism.senses) TropismPull(&rod->scene->tropism, at.x, pull, NULL);
+  Directors(p, QuaternionSize(p), at.axes);
+  if (rod->scene->tropism.senses) TropismPull(&rod->scene->tropism, u + X, pull, NULL);
   PetscCall(SceneStiffness(rod->scene, 0, t, &B, NULL));
   SceneStiffnesses(rod->scene, B, S);
   PetscCall(CurvatureStrains(&rod->scene->curvature, rod->scene->growth, 0, t, u0, NULL));
   for (int b = 0; b < TROPISM_BENDS; b++) {
     point->sensed[b] = TropismSensed(&at, b, pull);
     point->natural[b] = u0[turn[b]];
-    point->elastic[b] = Dot3(d[turn[b]], m) / S[turn[b]];
+    point->elastic[b] = Dot3(at.axes[turn[b]], m) / S[turn[b]];
   }
   PetscFunctionReturn(0);
 }
@@ -68,10 +57,11 @@ void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const Pets
     const int along = b ? 2 : 1; /* sensed about d3 is along d2, about d2 along -d3 */
     const PetscReal sign = b ? -1 : 1;
     PetscReal D[3][4];
-    DirectorSlope(p->p, p->size, p->d[along], along, D);
+    DirectorSlope(p->p, p->size, p->at.axes[along], along, D);
     for (int i = 0; i < 3; i++) {
       for (int j = 0; j < 4; j++) slope->sensed[b][P + j] += sign * pull[i] * D[i][j];
-      for (int j = 0; j < 3; j++) slope->sensed[b][X + j] += sign * p->d[along][i] * by_x[i][j];
+      for (int j = 0; j < 3; j++)
+        slope->sensed[b][X + j] += sign * p->at.axes[along][i] * by_x[i][j];
     }
   }
 }
