@@ -5,7 +5,9 @@
 #include "base/lagrange.h"
 #include "rod/learned_front.h"
 
-enum { WIDE = LEARNED_STENCIL, NEAR = 4 }; /* places within a side, and at the front itself */
+/* Places within a side, and at the front itself; how many times as far in as what is looked for is
+   beyond the clamp it is taken from. */
+enum { WIDE = LEARNED_STENCIL, NEAR = 4, AFAR = 4 };
 
 /* The states at a label by the polynomials through n places from one on, and through the front
    where it is to be one more point. */
@@ -128,8 +130,8 @@ void LearnedFrontFind(const Rod rod, PetscReal t, const PetscReal *label, const 
    not in yet has learned less than nothing, so that it has learned nothing when it comes in. What
    is taken from inside is taken from afar, so that errors of steps do not feed on themselves. */
 static void Beyond(const LearnedSides *sides, PetscReal x, PetscReal k[]) {
-  const PetscReal afar = 4, y = PetscMin(afar * x, sides->at),
-                  part = HermiteFall(PetscMax(0, PetscMin(1, afar * x / sides->at - 1)));
+  const PetscReal y = PetscMin(AFAR * x, sides->at),
+                  part = HermiteFall(PetscMax(0, PetscMin(1, AFAR * x / sides->at - 1)));
   PetscReal inside[2 * TROPISM_BENDS];
 
   if (!sides->inflow) { /* (changes of it: they come in as none) */
