@@ -129,7 +129,26 @@ static void TestLeast(void **state) {
   }
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJamGetsNowhere),
-                                          cmocka_unit_test(TestJamDeep),
-                                          cmocka_unit_test(TestSlips), cmocka_unit_test(TestLeast)};
+/* A rod that a wall which rubs presses on is held twice where friction along it is dry, too, or all
+   but: not by walls or by friction alone. */
+static void TestHeldTwice(void **state) {
+  struct _Scene scene = {.contact.walls.rub = PETSC_TRUE, .load.friction.mu = 1};
+  Grow self = {.scene = &scene, .seen = Pressed(1)};
+
+  EXPECT(GrowHeldTwice(&self), "dry");
+  scene.load.friction.mu = 1 - 1e-4;
+  EXPECT(GrowHeldTwice(&self), "a share of 1e-4");
+  scene.load.friction.mu = 1 - 1e-2;
+  EXPECT(!GrowHeldTwice(&self), "a share of 1e-2");
+  scene.load.friction.mu = 1;
+  self.seen.contact_force = 0;
+  EXPECT(!GrowHeldTwice(&self), "touches nothing");
+  self = (Grow){.scene = &scene, .seen = Pressed(1)};
+  scene.contact.walls.rub = PETSC_FALSE;
+  EXPECT(!GrowHeldTwice(&self), "smooth walls");
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestJamGetsNowhere), cmocka_unit_test(TestJamDeep),
+    cmocka_unit_test(TestSlips), cmocka_unit_test(TestLeast), cmocka_unit_test(TestHeldTwice)};
 MAIN(tests)
