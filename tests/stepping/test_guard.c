@@ -151,6 +151,36 @@ static void TestSweepsSpace(void **state) {
   EXPECT(!Leaves(tube, 0.02), "within an arm");
 }
 
+/* A ball goes round and round, and through a rod that rests, in a step of so many turns; does the
+   rod see it? */
+static PetscBool SeesGoingRound(PetscReal radius, PetscReal turns) {
+  PetscBool passes;
+  char file[64], wall[200];
+  Scene scene;
+  Rod rod;
+  Vec U;
+  snprintf(wall, sizeof(wall), "sphere 0 %.17g 0 0.004 outside turns %.17g 0 0 0 0 0 1\n",
+           (double)radius, (double)(turns * 2 * PETSC_PI));
+  WriteWalls(file, wall);
+  SetOptions("%s -rod_model space -contact_diameter 2e-3 -wall_file %s", thread, file);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_space, &rod));
+  U = State(rod, 0.2, 0);
+  CHECK(RodPassesWalls(rod, 0, 1, U, U, &passes));
+  CHECK(VecDestroy(&U));
+  CHECK(RodDestroy(&rod));
+  CHECK(SceneDestroy(&scene));
+  RemoveFile(file);
+  return passes;
+}
+
+static void TestGoesRound(void **state) {
+  for (int k = 1; k < 4; k++) {
+    EXPECT(SeesGoingRound(0.67, 3 * k), "%d turns through the rod", 3 * k);
+    EXPECT(!SeesGoingRound(1.1, 3 * k), "%d turns past its tip", 3 * k);
+  }
+}
+
 /* The tip alone is behind a wall, and the rod may touch itself, too: every rank ends the look, with
    the same verdict. */
 static void TestOneRankKnows(void **state) {
@@ -239,5 +269,6 @@ static void TestPassInPlane(void **state) {
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestPassInPlane), cmocka_unit_test(TestPassesItself),
     cmocka_unit_test(TestSweeps),      cmocka_unit_test(TestSweepsSpace),
-    cmocka_unit_test(TestCuts),        cmocka_unit_test(TestOneRankKnows)};
+    cmocka_unit_test(TestGoesRound),   cmocka_unit_test(TestCuts),
+    cmocka_unit_test(TestOneRankKnows)};
 MAIN(tests)
