@@ -1,4 +1,4 @@
-/* When a rod in dry friction is followed in a fast time.
+/* The first step of a run, and when a rod in dry friction is followed in a fast time.
    test: a rod that is far faster than it grows snaps until it is no faster */
 #include "harness.h"
 #include "stepping/leg.h"
@@ -61,6 +61,46 @@ static void TestViscous(void **state) {
   Destroy(&scene, &leg);
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestSnaps),
-                                          cmocka_unit_test(TestViscous)};
+/* The first step of a rod's run, and what its scene makes units of. */
+static PetscReal First(const char *options, SceneUnits *units) {
+  PetscReal first;
+  Scene scene;
+  Leg leg;
+
+  SetOptions("-rod_cells 8 -ts_max_time 1 -growth_type feed %s", options);
+  CHECK(SceneCreate(&scene));
+  CHECK(LegCreate(scene, &rod_frame, 1e-6, &leg));
+  CHECK(TSGetTimeStep(leg.ts, &first));
+  *units = scene->units;
+  CHECK(LegDestroy(&leg));
+  CHECK(SceneDestroy(&scene));
+  return first;
+}
+
+/* Dry friction does little in the time in which the rod grows by a small part of what it bends
+   over; a viscous rod that begins out of balance gives way in a small part of its own time, which
+   is to be seen; one that is straight does nothing before that has passed, nearly. And a step that
+   turns out to be too long can be shorter still, a thousandfold and more. */
+static void TestFirst(void **state) {
+  const PetscReal round_off = PETSC_MACHINE_EPSILON;
+  SceneUnits units;
+  PetscReal first = First("-growth_initial_length 1", &units);
+
+  (void)state;
+  EXPECT(first > 1e-5 * units.time && first < 1e-3 * units.time, "dry: %g of %g", first,
+         units.time);
+  first = First("-growth_initial_length 1 -friction_mu 0", &units);
+  EXPECT(first > 1e-7 * units.own && first < 1e-5 * units.own, "bent: %g of %g", first, units.own);
+  first = First("-growth_initial_length 0.1 -friction_mu 0 -shape_type straight", &units);
+  EXPECT(first > 0.02 * units.own && first < 0.5 * units.own, "straight: %g of %g", first,
+         units.own);
+  first = First("-growth_initial_length 1e-3 -friction_mu 0 -contact_self true "
+                "-contact_diameter 1e-5",
+                &units);
+  EXPECT(first > 1e2 * round_off * units.brief && first < 1e4 * round_off * units.brief,
+         "short: %g of %g", first, units.brief);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestSnaps), cmocka_unit_test(TestViscous), cmocka_unit_test(TestFirst)};
 MAIN(tests)

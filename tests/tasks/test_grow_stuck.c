@@ -148,7 +148,39 @@ static void TestHeldTwice(void **state) {
   EXPECT(!GrowHeldTwice(&self), "smooth walls");
 }
 
+/* By how much of its step a run gets on in which the tip moves so many times as fast as it grows.
+ */
+static PetscReal GetsOn(PetscReal times) {
+  Grow self = {0};
+  PetscScalar *v;
+  PetscReal on;
+
+  SetOptions("-growth_type feed -growth_initial_length 1 -rod_cells 6 -ts_max_time 1 -quiet");
+  CHECK(SceneCreate(&self.scene));
+  CHECK(GrowCreate(&self, "", ""));
+  CHECK(TSStep(self.now->ts));
+  CHECK(VecGetArray(self.now->newton.latest.U_t, &v));
+  v[self.now->rod->model->fields * self.now->rod->last + 1] = times * self.scene->units.speed;
+  CHECK(VecRestoreArray(self.now->newton.latest.U_t, &v));
+  CHECK(GrowAfterStep(self.now->ts));
+  on = self.kept.way / self.seen.step;
+  CHECK(GrowDestroy(&self));
+  CHECK(SceneDestroy(&self.scene));
+  return on;
+}
+
+/* A rod that snaps gets on by its motion, while time all but stands still; one that moves about as
+   fast as it grows does not get on faster by that. */
+static void TestMotionCounts(void **state) {
+  PetscReal on = GetsOn(1);
+
+  EXPECT(on >= 1 && on < 2, "as fast as it grows: %g", (double)on);
+  on = GetsOn(1e4);
+  EXPECT(on > 200 && on < 1e4, "ten thousand times: %g", (double)on);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestJamGetsNowhere), cmocka_unit_test(TestJamDeep),
-    cmocka_unit_test(TestSlips), cmocka_unit_test(TestLeast), cmocka_unit_test(TestHeldTwice)};
+    cmocka_unit_test(TestSlips),          cmocka_unit_test(TestLeast),
+    cmocka_unit_test(TestHeldTwice),      cmocka_unit_test(TestMotionCounts)};
 MAIN(tests)
