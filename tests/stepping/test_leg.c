@@ -101,6 +101,31 @@ static void TestFirst(void **state) {
          "short: %g of %g", first, units.brief);
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestSnaps), cmocka_unit_test(TestViscous), cmocka_unit_test(TestFirst)};
+/* What decays in viscous friction is smooth, and steps of a high order follow it to a tight
+   tolerance: far fewer than a low one would take. */
+static void TestOrder(void **state) {
+  TSConvergedReason reason;
+  PetscInt steps;
+  Scene scene;
+  Leg leg;
+
+  (void)state;
+  SetOptions("-growth_type uniform -growth_initial_length 1 -friction_mu 0 -rod_cells 8 "
+             "-ts_max_time 0.2");
+  CHECK(SceneCreate(&scene));
+  CHECK(LegCreate(scene, &rod_frame, 1e-8, &leg));
+  CHECK(RodBegin(leg.rod, leg.U));
+  CHECK(TSSetMaxSteps(leg.ts, 600));
+  CHECK(TSSolve(leg.ts, leg.U));
+  CHECK(TSGetConvergedReason(leg.ts, &reason));
+  CHECK(TSGetStepNumber(leg.ts, &steps));
+  EXPECT(reason == TS_CONVERGED_TIME && steps < 230, "%d steps, %s", (int)steps,
+         TSConvergedReasons[reason]);
+  CHECK(LegDestroy(&leg));
+  CHECK(SceneDestroy(&scene));
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestSnaps),
+                                          cmocka_unit_test(TestViscous),
+                                          cmocka_unit_test(TestFirst), cmocka_unit_test(TestOrder)};
 MAIN(tests)
