@@ -1,5 +1,5 @@
 /* The first step of a run, and when a rod in dry friction is followed in a fast time.
-   test: a rod that is far faster than it grows snaps until it is no faster */
+   test: steps begin short and a rod that is far faster than it grows snaps */
 #include "harness.h"
 #include "stepping/leg.h"
 
