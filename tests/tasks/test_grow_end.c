@@ -1,4 +1,4 @@
-/* What is said at the end of a run, of the rod as it is then.
+/* What is said at the beginning of a run, and at its end, of the rod as it is then.
    test: a run says how it ended by what the rod does */
 #include "harness.h"
 #include "stepping/estimating.h"
@@ -146,7 +146,48 @@ static void TestStraight(void **state) {
   }
 }
 
+/* What is printed as a rod begins above a plane, so far beyond where contact sets in, in parts of
+   that distance. */
+static void Begins(PetscReal beyond, char text[8192]) {
+  const PetscReal smooth = 5e-5; /* of this diameter */
+  FILE *const out = PETSC_STDOUT, *const file = tmpfile();
+  char wall[64], path[64], options[200];
+  size_t n;
+  Grow self;
+
+  EXPECT(file, "no scratch file");
+  (void)snprintf(wall, sizeof(wall), "plane 0 %.17g 0 1\n",
+                 (double)(-0.05 - smooth * (1 - beyond)));
+  WriteWalls(path, wall);
+  (void)snprintf(options, sizeof(options),
+                 "-growth_type feed -shape_type straight -contact_diameter 0.1 -wall_file %s",
+                 path);
+  PETSC_STDOUT = file;
+  Create(options, &self);
+  PETSC_STDOUT = out;
+  EXPECT(PetscAbsReal(self.scene->contact.smooth / smooth - 1) < 1e-9, "sets in at %g",
+         self.scene->contact.smooth);
+  Destroy(&self);
+  RemoveFile(path);
+  rewind(file);
+  n = fread(text, 1, 8191, file);
+  text[n] = 0;
+  fclose(file);
+}
+
+/* A rod that begins nearer to a wall than contact sets in is told so, unless it is by next to
+   nothing. */
+static void TestNearer(void **state) {
+  char text[8192];
+
+  (void)state;
+  Begins(0.04, text);
+  EXPECT(strstr(text, "leave more room"), "by a twenty-fifth: %s", text);
+  Begins(2e-4, text);
+  EXPECT(!strstr(text, "leave more room"), "by a five-thousandth: %s", text);
+}
+
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestSpins), cmocka_unit_test(TestPressed), cmocka_unit_test(TestWaves),
-    cmocka_unit_test(TestRigid), cmocka_unit_test(TestStraight)};
+    cmocka_unit_test(TestSpins), cmocka_unit_test(TestPressed),  cmocka_unit_test(TestWaves),
+    cmocka_unit_test(TestRigid), cmocka_unit_test(TestStraight), cmocka_unit_test(TestNearer)};
 MAIN(tests)

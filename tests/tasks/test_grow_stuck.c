@@ -179,8 +179,28 @@ static void TestMotionCounts(void **state) {
   EXPECT(on > 200 && on < 1e4, "ten thousand times: %g", (double)on);
 }
 
+/* Jumps in the layer of a start out of balance are none of the rod: it has given way; behind it, it
+   snaps. */
+static void TestLayer(void **state) {
+  for (int k = 0; k < 2; k++) {
+    Grow self = {0};
+    SetOptions("-growth_type feed -growth_initial_length 1 -rod_cells 6 -ts_max_time 1 -quiet");
+    CHECK(SceneCreate(&self.scene));
+    CHECK(GrowCreate(&self, "", ""));
+    CHECK(TSStep(self.now->ts));
+    self.now->jumps = -1; /* as if the step had been one */
+    CHECK(GrowObserve(&self, (k ? 3e-5 : 1e-8) * self.scene->units.brief, self.now->U,
+                      self.now->newton.latest.U_t));
+    EXPECT(self.kept.gave_way == !k && self.kept.snaps == k, "%d: gave way %g, snaps %g", k,
+           (double)self.kept.gave_way, (double)self.kept.snaps);
+    CHECK(GrowDestroy(&self));
+    CHECK(SceneDestroy(&self.scene));
+  }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestJamGetsNowhere), cmocka_unit_test(TestJamDeep),
     cmocka_unit_test(TestSlips),          cmocka_unit_test(TestLeast),
-    cmocka_unit_test(TestHeldTwice),      cmocka_unit_test(TestMotionCounts)};
+    cmocka_unit_test(TestHeldTwice),      cmocka_unit_test(TestMotionCounts),
+    cmocka_unit_test(TestLayer)};
 MAIN(tests)
