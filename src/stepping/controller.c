@@ -445,8 +445,8 @@ static PetscErrorCode TryUntilAccepted(TS ts, Controller *self, Formula *f, Pets
   PetscFunctionReturn(0);
 }
 
-/* A step that begins at a kink knows nothing of what is behind it: the history starts anew, and the
-   step is short. */
+/* A step that begins at a kink knows nothing of what is behind it: the history starts again, and
+   the step is short. */
 static void SetOutAnew(TS ts, Controller *self, Formula *f) {
   self->kinked = (PetscBool)(self->kinks && !self->fixed && f->n > 1 && self->kinks(ts, ts->ptime));
   if (!self->kinked) return;
@@ -484,7 +484,7 @@ static void Pass(TS ts, Controller *self, Formula *f) {
 }
 
 /* Ends an accepted step: hands over the state, and sets the size of the next step, times factor.
-   Behind a jump the history starts anew. */
+   Behind a jump the history starts again. */
 static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal factor) {
   PetscFunctionBegin;
   self->since++;

@@ -262,7 +262,7 @@ static PetscErrorCode MeasureAlongAxes(Leg *leg) {
   PetscFunctionReturn(0);
 }
 
-/* A Newton solve begins: the friction duals start anew, the Jacobian learns of the factor. */
+/* A Newton solve begins: the friction duals start again, the Jacobian learns of the factor. */
 static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   Leg *leg;
 

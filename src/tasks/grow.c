@@ -404,7 +404,7 @@ PetscErrorCode GrowSettle(Grow *self, PetscReal t) {
 }
 
 /* GrowChange - the scene has changed at the present time. Where that acts on the rod, and is not
-   its end alone, steps begin anew there, short, and in the model that leaves nothing out.
+   its end alone, steps begin again there, short, and in the model that leaves nothing out.
    Collective. */
 PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
   PetscFunctionBegin;

@@ -70,7 +70,7 @@ static void DropEvents(OptionWords *words) {
 }
 
 /* RunReadRestart - reads it, and the rods of the file, which count unless the scene is given
-   anew. */
+   again. */
 PetscErrorCode RunReadRestart(Run *self) {
   char fault[WORDS_FAULT] = "", *text;
   PetscBool begun, stopped;
