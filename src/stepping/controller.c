@@ -270,14 +270,14 @@ static void TakeStep(TS ts, const Controller *self, Formula *f) {
 
 /* Begins a try: the step's factor, and the step itself if that would change too much in it. */
 static void BeginTry(TS ts, Controller *self, Formula *f) {
-  PetscReal folds;
+  PetscReal efoldings;
 
   TakeStep(ts, self, f);
   f->plain = self->plain_next;
   FormulaTakeFactor(f, self->order);
-  folds = FormulaFolds(f);
-  if (self->fixed || folds <= step_rule.factor_change) return;
-  ts->time_step *= step_rule.factor_change / folds;
+  efoldings = FormulaEfoldings(f);
+  if (self->fixed || efoldings <= step_rule.factor_change) return;
+  ts->time_step *= step_rule.factor_change / efoldings;
   TakeStep(ts, self, f);
   FormulaTakeFactor(f, self->order);
 }

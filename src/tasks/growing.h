@@ -95,7 +95,7 @@ Leg *GrowOwnLeg(Grow *self);
 PetscErrorCode GrowAddLeg(Grow *self, PetscInt model);
 PetscErrorCode GrowHandOver(Grow *self, Leg *to);
 PetscErrorCode GrowNeglect(Grow *self, Vec U_t);
-void GrowWeigh(Grow *self, const Observation *last, PetscReal folds);
+void GrowWeigh(Grow *self, const Observation *last, PetscReal efoldings);
 
 /* grow.c: the loop, and a run by steps */
 PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t);
