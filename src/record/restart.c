@@ -293,8 +293,8 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(OptionGiven("-ts_dt", &given));
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
-  PetscCall(PetscArraycpy(leg->of->kick, state->kick, RESTART_KICKS));
-  leg->of->kick_ends = state->kick_ends;
+  PetscCall(PetscArraycpy(leg->of->onset, state->kick, RESTART_KICKS));
+  leg->of->onset_ends = state->kick_ends;
   leg->ease.times = PetscMin(state->ease, leg->ease.most);
   leg->ease.wants = PetscMin(state->wants, leg->ease.most);
   leg->ease.others = state->others;
@@ -360,8 +360,8 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
-  PetscCall(PetscArraycpy(state->kick, leg->of->kick, RESTART_KICKS));
-  state->kick_ends = leg->of->kick_ends;
+  PetscCall(PetscArraycpy(state->kick, leg->of->onset, RESTART_KICKS));
+  state->kick_ends = leg->of->onset_ends;
   state->wants = leg->ease.wants;
   state->ease = leg->ease.times;
   state->others = leg->ease.others;
