@@ -46,9 +46,9 @@ static PetscReal Crossed(const Observation *from, const Observation *to) {
 }
 
 /*
-  GrowCross - counts a blind jump to what is seen now: does it cross the start? The steps that cross
-  the layer of a start see nothing between their ends, however short they are: if they have led far,
-  all of them together, nothing is known either.
+  GrowCross - counts an unresolved jump to what is seen now: does it cross the start? The steps that
+  cross the layer of a start see nothing between their ends, however short they are: if they have
+  led far, all of them together, nothing is known either.
 
   last      seen before it, at that time     layered  it is in the layer
 */
