@@ -165,7 +165,7 @@ PetscErrorCode AccuracyTolerance(void) {
   PetscFunctionReturn(0);
 }
 
-/* AccuracyTimes - how many times the error that was followed a part is told as. */
+/* AccuracyTimes - how many times the error that was followed a part is reported as. */
 PetscReal AccuracyTimes(int part) {
   if (part == ESTIMATE_LIMIT) return of_beta;
   return part == ESTIMATE_SOFT ? of_stiffness : of_measured;

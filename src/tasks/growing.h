@@ -58,7 +58,7 @@ typedef struct {
   int stopped;             /* the signal that all ranks have agreed to stop on */
   Pace pace;
   Watch watch;
-  PetscReal shared;  /* viscous share of friction that has been told, see LoadShareMore() */
+  PetscReal shared;  /* viscous share of friction that has been reported, see LoadShareMore() */
   PetscBool slips;   /* it does all the same, without end: the run ends for that */
   PetscBool jammed;  /* the run ends for that */
   PetscReal to_lamp; /* how near the tip has come to the lamp in the latest step */
