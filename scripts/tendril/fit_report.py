@@ -195,11 +195,17 @@ def draw_photograph(ax, fit: Found, p, line, half):
     title = "no time"
     if p.abscissa:
         times, name = shown(p.at)
-        title = f"{'t' if p.abscissa == 't' else 'L'} = {times * float(p.at.numbers):.4g} {name}".rstrip()
+        title = f"${'t' if p.abscissa == 't' else 'L'}$ = {times * float(p.at.numbers):.4g} {name}".rstrip()
     ax.set_title(title, fontsize=8)
     ax.set_xlabel(labelled("$x_1$", unit))
     if ax.get_subplotspec().is_first_col():
         ax.set_ylabel(labelled("$x_2$", unit))
+
+
+def hidden(shapes) -> str:
+    """Words for a legend where bands, as bands() has them, are nowhere wider than the line drawn on them: a hundredth of its extent."""
+    seen = any(half is not None and 2 * half.max() > 0.01 * np.hypot(*np.ptp(line, axis=0)) for line, half in shapes)
+    return "" if seen else ", narrower than the line"
 
 
 def draw_curve(ax, fit: Found, c):
@@ -246,7 +252,8 @@ def draw(fit: Found, most=7):
         draw_residuals(axes.flat[len(panels)], fit)
         for ax in axes.flat[len(panels) + 1:]:
             ax.set_axis_off()
-        figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside upper left", ncol=3)
+        handles, labels = axes.flat[0].get_legend_handles_labels()
+        figure.legend(handles, [label + hidden(shapes) * label.startswith("95") for label in labels], loc="outside upper left", ncol=3)
     plt.close(figure)
     return figure
 
