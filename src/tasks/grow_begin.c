@@ -230,7 +230,7 @@ PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
       PetscCall(GrowAddLeg(self, m));
   PetscCall(CrawlAllowed(GrowOwnLeg(self)->ts, &self->crawl));
   PetscCall(RodHoldTip(GrowOwnLeg(self)->rod));
-  if (begun) PetscCall(RestartChange(restart, self->scene));
+  if (begun) PetscCall(RestartChange(restart, NULL, self->scene));
   if (begun && ChangedBefore(self) && self->model == AUTO) self->can[LINEAR] = PETSC_FALSE;
   for (PetscInt m = 0; m < MODELS && begun; m++)
     if (self->leg[m].ts) PetscCall(LegEndAtTurns(&self->leg[m]));
