@@ -202,12 +202,6 @@ def draw_photograph(ax, fit: Found, p, line, half):
         ax.set_ylabel(labelled("$x_2$", unit))
 
 
-def hidden(shapes) -> str:
-    """Words for a legend where bands, as bands() has them, are nowhere wider than the line drawn on them: a hundredth of its extent."""
-    seen = any(half is not None and 2 * half.max() > 0.01 * np.hypot(*np.ptp(line, axis=0)) for line, half in shapes)
-    return "" if seen else ", narrower than the line"
-
-
 def draw_curve(ax, fit: Found, c):
     (along, at_unit), (factor, unit) = shown(c.at), shown(c.values)
     r = fit.run.column("series", c.abscissa, c.at.si)[0]  # from where the run begins
@@ -252,8 +246,7 @@ def draw(fit: Found, most=7):
         draw_residuals(axes.flat[len(panels)], fit)
         for ax in axes.flat[len(panels) + 1:]:
             ax.set_axis_off()
-        handles, labels = axes.flat[0].get_legend_handles_labels()
-        figure.legend(handles, [label + hidden(shapes) * label.startswith("95") for label in labels], loc="outside upper left", ncol=3)
+        figure.legend(*axes.flat[0].get_legend_handles_labels(), loc="outside upper left", ncol=3)
     plt.close(figure)
     return figure
 

@@ -203,13 +203,6 @@ class Reading(unittest.TestCase):
         self.assertEqual([p.ordered for p in m.photographs], [False, True])
         self.assertTrue(any("not used: t = 0.3, of which 1 of 4" in note for note in m.notes), m.notes)
 
-    def test_a_band_that_is_not_seen_is_said_to_be_narrow(self):
-        from tendril.fit_report import hidden
-
-        line = np.column_stack([np.linspace(0, 20, 50), np.zeros(50)])
-        self.assertEqual(hidden([(line, np.full(50, 0.01)), (line, np.full(50, 0.2))]), "")
-        self.assertEqual(hidden([(line, np.full(50, 0.01)), (line, None)]), ", narrower than the line")
-
     def test_titles_and_names(self):
         """Words above the headings are told from them; a digitiser's name that is no time; what is no text."""
         m = measured.read(self.file("Monday's tube\nt (s);x1 (cm);x2 (cm)\n1;1;2\n1;2;3\n1;3,5;4\n"))
