@@ -1,16 +1,9 @@
 /* The derivatives of the equations of a rod in space (space.c), as a matrix and eliminated. */
 #include "base/clones.h"
 #include "base/vectors.h"
-#include "rod/space_cells.h"
+#include "rod/space_slope.h"
 #include "rod/rules.h"
 #include <string.h>
-
-/* The derivatives of f at a point by its unknowns, the velocity and the spin held, and by these. */
-typedef struct {
-  PetscReal d1[3][4], u_p[3][4], u_m[3][3];
-  PetscReal f[FIELDS][FIELDS];
-  LoadSlope load;
-} Slope;
 
 /* The derivatives of the kink that feet leave (space.c), by p in the middle of a cell and by w. */
 static void KinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]) {
@@ -354,22 +347,17 @@ WIDE_VECTORS static void CellJacobian(const Cell *cell, PetscReal sign, const Pe
                FIELDS);
 }
 
-/* The slopes at the three points of a cell: that of its first node is the last of the cell before.
- */
-typedef struct {
-  Slope a, mid, b;
-} Slopes;
-
 /* The shifts at node i; where modes are counted friction holds a tip that is still. */
 static const PetscReal *ShiftsAt(const Cell *cell, PetscInt i, const PetscReal *shift,
                                  PetscReal still[FIELDS]) {
   return cell->counts ? shift : SpaceStill(cell, i, shift, still);
 }
 
-/* A cell's equations, that behind node i, by its nodes, left and right. */
-static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal shift[],
-                       Slopes *slopes, PetscReal left[FIELDS][FIELDS],
-                       PetscReal right[FIELDS][FIELDS]) {
+/* SpaceCellBlocks - a cell's equations, that behind node i, by its nodes, left and right. first: it
+   is the first of a walk. */
+void SpaceCellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal shift[],
+                     Slopes *slopes, PetscReal left[FIELDS][FIELDS],
+                     PetscReal right[FIELDS][FIELDS]) {
   PetscReal still[FIELDS];
   const PetscReal *own = ShiftsAt(cell, i + 1, shift, still);
   FootSlope feet;
@@ -396,8 +384,9 @@ static void CellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal 
                cell->feet.n ? feet : NULL, right);
 }
 
-static void TipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
-                     PetscReal by[RIGHT][FIELDS]) {
+/* SpaceTipBlock - the tip's equations by its own unknowns. */
+void SpaceTipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
+                   PetscReal by[RIGHT][FIELDS]) {
   Rod rod = cell->rod;
   TipState tip = SpaceTipOf(cell->load, cell->b);
   PetscReal dW[RUBS][FIELDS] = {{0}}, still[FIELDS];
@@ -456,9 +445,18 @@ ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
   }
 }
 
-/* What the material of cell i has learned, for learned.h; slopes at its nodes where they are asked
-   for. */
-WIDE_VECTORS static void LearnedOf(const Cell *cell, PetscInt i, const Slopes *slopes,
+/* SpaceMidTurns - how W in the middle of a cell changes with p and m there, as it is turned. */
+void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal by[RUBS][FIELDS]) {
+  memset(by, 0, RUBS * sizeof(*by));
+  if (cell->cubic)
+    SlideSlope(cell->load, &cell->law[AT_MID], mid, by);
+  else
+    TurnSlope(cell->load, &cell->law[AT_MID], cell->mid, mid, by);
+}
+
+/* SpaceLearnedCell - what the material of cell i has learned, for learned.h; slopes at its nodes
+   where they are asked for. */
+WIDE_VECTORS void SpaceLearnedCell(const Cell *cell, PetscInt i, const Slopes *slopes,
                                    PetscBool at_a, PetscBool at_b, LearnedCell *learned) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscInt place = 2 * (i - cell->rod->first + 1);
@@ -496,7 +494,7 @@ static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscR
                      PetscReal right[FIELDS][FIELDS]) {
   LearnedCell learned;
 
-  LearnedOf(cell, i, slopes, first, PETSC_TRUE, &learned);
+  SpaceLearnedCell(cell, i, slopes, first, PETSC_TRUE, &learned);
   if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[AT_A], NULL, shift);
   LearnedNodeSlope(cell->rod, i + 1, &learned.slope[AT_B], NULL, shift);
   LearnedCondense(cell->rod, i, &learned, shift, left[0], right[0]);
@@ -555,8 +553,8 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   if (rod->first == 0) SpaceClampBlock(rod->scene, at->t, cell.u[0], of_begin);
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
-    CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
-    LearnedOf(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
+    SpaceCellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
+    SpaceLearnedCell(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
     LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     if (i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[AT_MID]);
@@ -564,7 +562,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
                             &learned.slope[AT_A], NULL, NULL, room, J));
   }
   if (rod->end > rod->last) {
-    TipBlock(&cell, &slopes.b, at->shift, by);
+    SpaceTipBlock(&cell, &slopes.b, at->shift, by);
     LearnedNodeSlope(rod, rod->last, &learned.slope[AT_B], NULL, at->shift);
     LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
     PetscCall(LearnedMatrix(rod, rod->last, NULL, NULL, NULL, NULL, &learned.slope[AT_B], NULL,
@@ -598,7 +596,7 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
 
   PetscFunctionBegin;
   if (rod->learned) {
-    PetscCall(LearnedJacobian(rod, at, J));
+    PetscCall(self->yields ? SpaceYieldJacobian(rod, at, J) : LearnedJacobian(rod, at, J));
     PetscFunctionReturn(0);
   }
   PetscCall(SpaceCellsOpen(rod, at, &cell));
@@ -612,13 +610,13 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
     PetscInt cols[3] = {i - 1, i, i < rod->last ? i + 1 : -1}; /* -1: none, ignored */
     if (i < rod->last) {
       SpaceCellsNext(&cell, i);
-      CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
+      SpaceCellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
       kept = KeptCell(rod, i);
       if (kept) KeepCell(&cell, &slopes.mid, kept);
       PutRows(row, LEFT, FIELDS, FIELDS, left);
       PutRows(row, LEFT, FIELDS, 2 * FIELDS, right);
     } else {
-      TipBlock(&cell, &slopes.b, at->shift, by);
+      SpaceTipBlock(&cell, &slopes.b, at->shift, by);
       for (int f = 0; f < RIGHT; f++)
         PetscCall(PetscArraycpy(&row[LEFT + f][FIELDS], by[f], FIELDS));
     }
@@ -699,6 +697,10 @@ PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination eliminati
   Cell cell;
 
   PetscFunctionBegin;
+  if (((const Space_ *)rod->data)->yields && !at->counts) {
+    PetscCall(SpaceYieldEliminate(rod, at, elimination));
+    PetscFunctionReturn(0);
+  }
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   WideBegin(line);
   if (gives_way && rod->first == 0) PetscCall(BeginSprings(rod, at->t, cell.b, gives));
@@ -706,7 +708,7 @@ PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination eliminati
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (i >= rod->first) WideBlocks(line, &left, &right);
-    CellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
+    SpaceCellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
     if (rod->learned && !at->counts)
       Condense(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
     if (i < rod->first) continue;
@@ -716,7 +718,7 @@ PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination eliminati
   }
   if (ends) {
     Arms(cell.b, &arms);
-    TipBlock(&cell, &slopes.b, at->shift, by);
+    SpaceTipBlock(&cell, &slopes.b, at->shift, by);
   }
   if (ends && !keeps) {
     WideArm(line, &arms);
