@@ -199,11 +199,12 @@ static void AddYield(const YieldCell *of, int e, PetscReal J[YIELD_FIELDS][YIELD
                      LearnedCell *learned) {
   const Law *law = of->law;
   const PetscReal sign = e ? 1 : -1, shift = of->shift[OF_L], *along = of->along[2 * e],
-                  *along_mid = of->along[AT_MID], moves = e && of->tip ? 0 : 1, s = law[2 * e].s,
+                  *along_mid = of->along[AT_MID], moves = e && of->tip ? 0 : 1,
                   s_mid = law[AT_MID].s, k = of->k[e];
   const Change still = {0}, by_V = {.c = moves},
-               by_L = {.g = 1, .g_t = shift, .c = -moves * s * shift}, mid_V = {.c = 0.5},
-               mid_L = {.g = 0.5, .c = k * of->by_g[2 * e] - s_mid * shift / 2}, slides = {.c = 1};
+               by_L = {.g = 1, .g_t = shift, .c = -moves * law[2 * e].s * shift},
+               mid_V = {.c = 0.5}, mid_L = {.g = 0.5, .c = k * of->by_g[2 * e] - s_mid * shift / 2},
+               slides = {.c = 1};
   PetscReal mid[YIELD_FIELDS][FIELDS], slope, slope_mid;
   Changed by[2], slid;
 
