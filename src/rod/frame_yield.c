@@ -13,7 +13,7 @@ static PetscReal AlongAt(const PetscReal u[]) {
 
 /* V' at a point. */
 static PetscReal SlopeAt(const Rod rod, const Law *law, const Point *p) {
-  return YieldsSlope(rod, law->s, law->g, Dot2(From2(p->at.q), From2(p->n)));
+  return YieldsSlope(rod, law->s, law->g, Dot2(From2(p->at.axes[0]), From2(p->n)));
 }
 
 /* FrameYieldSee - tells the law of growth what it is in a state. Collective. */
@@ -51,12 +51,12 @@ void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
 
 /* FrameYieldEnds - of what is at the clamp, or the tip: p the point there. */
 void FrameYieldEnds(Rod rod, PetscInt i, const Point *p) {
-  YieldsEnds(rod, i, Dot2(From2(p->at.q), From2(p->n)));
+  YieldsEnds(rod, i, Dot2(From2(p->at.axes[0]), From2(p->n)));
 }
 
 /* FrameYieldBegin - the equation of V at the clamp by its node. */
 void FrameYieldBegin(Rod rod, const Point *p, PetscReal by[ALL]) {
-  const Vector2 q = From2(p->at.q);
+  const Vector2 q = From2(p->at.axes[0]);
   PetscReal slope;
 
   memset(by, 0, ALL * sizeof(*by));
@@ -77,7 +77,7 @@ typedef struct {
 static void Vary(const Rod rod, const Law *law, const Point *p, const LoadSlope *slope,
                  const Change *d, PetscReal df[OF_L]) {
   const Load *load = &rod->scene->load;
-  const Vector2 q = From2(p->at.q), n = From2(p->n), dq = Times2(d->theta, Left2(q));
+  const Vector2 q = From2(p->at.axes[0]), n = From2(p->n), dq = Times2(d->theta, Left2(q));
   const PetscReal g = law->g;
   PetscReal by_length, by_force;
   const PetscReal w = GrowthYieldWeight(rod->scene->growth, law->s, g, &by_length),
@@ -122,7 +122,7 @@ static void VaryFeet(const YieldCell *cell, int e, Column *of) {
 static void AddFeet(const Frame *frame, const YieldCell *cell, const Column *of,
                     PetscReal equations[ALL]) {
   const Law *law = &cell->law[AT_MID];
-  const Vector2 q = From2(cell->at[AT_MID]->at.q), turn = From2(cell->load[FOOT_KINK]);
+  const Vector2 q = From2(cell->at[AT_MID]->at.axes[0]), turn = From2(cell->load[FOOT_KINK]);
   const PetscReal kink = PetscSqr(cell->h * law->g) * law->flex;
 
   Add2(Times2(-cell->h * frame->end_weight, Plus2(of->feet[AT_A], of->feet[AT_B])), equations + N1);
@@ -133,7 +133,7 @@ static void AddFeet(const Frame *frame, const YieldCell *cell, const Column *of,
 static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unknown, Column *of) {
   const Law *law = cell->law + 2 * e, *mid_law = cell->law + AT_MID;
   const Point *p = cell->at[2 * e], *mid = cell->at[AT_MID];
-  const Vector2 q = From2(p->at.q), perp = Left2(q), q_mid = From2(mid->at.q);
+  const Vector2 q = From2(p->at.axes[0]), perp = Left2(q), q_mid = From2(mid->at.axes[0]);
   const PetscReal *shift = cell->shift[e], k = e ? -cell->bow : cell->bow;
   PetscReal turn, rate, slide, mid_slide;
   Vector2 dq, x_t, w;

@@ -1,5 +1,5 @@
-/* The derivatives of a cell's equations in space, as the files share them that put them in a
-   matrix. */
+/* The derivatives of a cell of a rod in space: what space_slope.c finds and space_matrix.c takes.
+ */
 #ifndef TENDRIL_SPACE_SLOPE_H
 #define TENDRIL_SPACE_SLOPE_H
 
@@ -18,12 +18,15 @@ typedef struct {
   Slope a, mid, b;
 } Slopes;
 
+void SpaceKinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]);
 void SpaceCellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal shift[],
                      Slopes *slopes, PetscReal left[FIELDS][FIELDS],
                      PetscReal right[FIELDS][FIELDS]);
 void SpaceTipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
                    PetscReal by[RIGHT][FIELDS]);
-void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal by[RUBS][FIELDS]);
+void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][FIELDS]);
+
+/* space_matrix.c */
 void SpaceLearnedCell(const Cell *cell, PetscInt i, const Slopes *slopes, PetscBool at_a,
                       PetscBool at_b, LearnedCell *learned);
 

@@ -15,7 +15,7 @@ static PetscReal AlongAt(const PetscReal u[]) {
 }
 
 static PetscReal AlongOf(const Point *p) {
-  return Dot3(p->d[0], p->n);
+  return Dot3(p->at.axes[0], p->n);
 }
 
 /* SpaceYieldSee - tells the law of growth what it is in a state. Collective. */
@@ -105,7 +105,7 @@ static void VaryV(const Rod rod, const Law *law, const Point *p, const Slope *sl
 
   memset(by, 0, FIELDS * sizeof(*by));
   for (int j = 0; j < 4; j++) by[P + j] = w * by_force * ColumnDot3(slope->d1[0], 4, j, p->n);
-  for (int j = 0; j < 3; j++) by[N + j] = w * by_force * p->d[0][j];
+  for (int j = 0; j < 3; j++) by[N + j] = w * by_force * p->at.axes[0][j];
   *by_g = by_length * y;
 }
 
@@ -116,13 +116,14 @@ static void AddRubbed(const Load *load, const Law *law, const Point *p, const Sl
 
   for (int i = 0; i < 3; i++) {
     df[N + i] += law->g * Times(rubs, slope->load.W[i], dW);
-    if (load->arm > 0) df[M + i] += law->g * p->d[0][i] * Times(rubs, slope->load.W[SPIN], dW);
+    if (load->arm > 0)
+      df[M + i] += law->g * p->at.axes[0][i] * Times(rubs, slope->load.W[SPIN], dW);
   }
 }
 
 /* Adds what slides past a label faster by c. */
 static void AddSlide(const Load *load, const Point *p, PetscReal c, PetscReal dW[RUBS]) {
-  for (int i = 0; i < 3; i++) dW[i] += c * p->d[0][i];
+  for (int i = 0; i < 3; i++) dW[i] += c * p->at.axes[0][i];
   dW[SPIN] += load->arm * c * p->u[0];
 }
 
@@ -137,7 +138,7 @@ static void VaryEnd(const YieldCell *of, int e, const Change *d, PetscReal df[FI
   for (int f = 0; f < FIELDS; f++) df[f] = d->g / law->g * p->f[f];
   AddSlide(load, p, d->c, slides);
   AddRubbed(load, law, p, of->slope[2 * e], slides, df);
-  for (int i = 0; i < 3; i++) dW[i] += of->k[e] * (d->g_t * p->d[0][i] + d->g * p->d1_t[i]);
+  for (int i = 0; i < 3; i++) dW[i] += of->k[e] * (d->g_t * p->at.axes[0][i] + d->g * p->d1_t[i]);
   if (of->cell->cubic)
     dW[SPIN] += of->k[e] * load->arm *
                 (d->g_t * p->u[0] + d->g / law->g * (NodeSpinSlope(law, p) - law->g_t * p->u[0]));
@@ -263,9 +264,9 @@ static void AtClamp(const Cell *cell, const PetscReal u[FIELDS],
   of_V[OF_V] = 1;
   (void)YieldsPart(rod, AlongOf(p), &slope);
   slope *= GrowthYieldInflow(rod->scene->growth);
-  DirectorSlope(p->p, p->size, p->d[0], 0, D);
+  DirectorSlope(p->p, p->size, p->at.axes[0], 0, D);
   for (int j = 0; j < 4; j++) of_V[P + j] = -slope * ColumnDot3(D[0], 4, j, p->n);
-  for (int j = 0; j < 3; j++) of_V[N + j] = -slope * p->d[0][j];
+  for (int j = 0; j < 3; j++) of_V[N + j] = -slope * p->at.axes[0][j];
 }
 
 /* ... and those of the tip, by the last node. */
