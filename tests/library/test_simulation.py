@@ -130,6 +130,20 @@ class SeveralRods(unittest.TestCase):
                     np.testing.assert_allclose(again[rod].x, sim[rod].x, rtol=0, atol=1e-6)
         self.assertEqual(differing(sim.series, self.by_program.series), [])
 
+    def test_what_ends_one_ends_all(self):
+        """Where it does in the program's run, however far one looked."""
+        sim = tendril.Simulation(rods=RODS, left_stop_length=1.0432, **TOGETHER)
+        sim.advance(0.0431)
+        sim.advance()
+        self.assertAlmostEqual(sim.t, 0.0432, delta=1e-15)
+        self.assertFalse(sim.step())
+        with tempfile.TemporaryDirectory() as directory:
+            sim.save(f"{directory}/ended.h5")
+            r = tendril.load(f"{directory}/ended.h5")
+        self.assertEqual((r.finished, r.groups["event"]["kind"], r.groups["event"]["rod"]), (True, "length", "left"))
+        with self.assertRaisesRegex(tendril.RunError, "at its end"):
+            sim.set("ts_max_time", 1)
+
     def test_what_is_changed_of_one_or_of_all_is_a_scene_of_the_program(self):
         """The changes that are in its file, given to the program as a table of each rod, make the same run."""
         sim = tendril.Simulation(rods=RODS, **TOGETHER)
