@@ -115,7 +115,7 @@ TENDRIL_API int TendrilSetLaw(Tendril simulation, const char *kind, TendrilLaw l
 TENDRIL_API int TendrilSetWatch(Tendril simulation, TendrilWatch watch, void *ctx);
 
 /* TendrilSetUp - reads and checks all options, and places the rod as it begins. After an error
-   options can be set anew, and it be tried again. The first step does it if nobody has. */
+   options can be set again, and it be tried again. The first step does it if nobody has. */
 TENDRIL_API int TendrilSetUp(Tendril simulation);
 
 /* TendrilStep - goes on to the end of the next accepted step. t: the time there; may be NULL. */

@@ -109,7 +109,7 @@ PetscErrorCode CourseFinish(Tendril self, PetscBool *again) {
   PetscFunctionReturn(0);
 }
 
-/* CourseStartOver - the run begins anew, in soft contact. Collective. */
+/* CourseStartOver - the run begins again, in soft contact. Collective. */
 PetscErrorCode CourseStartOver(Tendril self) {
   PetscFunctionBegin;
   PetscCall(GrowStartOver(self->grow));

@@ -4,7 +4,7 @@
 #include "record/xdmf.h"
 #include <petsctime.h>
 
-/* A store writes the file anew, which is to take a twentieth of the time at most. */
+/* A store writes the file again, which is to take a twentieth of the time at most. */
 static const PetscLogDouble soon = 2, share = 20;
 
 /* How a number of all rods comes from those of each. */

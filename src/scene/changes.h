@@ -1,5 +1,5 @@
 /* What changes in a run, and when: the rows of -change_file, and those that a host program has
-   added. A step ends at each, and steps begin anew there. */
+   added. A step ends at each, and steps begin again there. */
 #ifndef TENDRIL_CHANGES_H
 #define TENDRIL_CHANGES_H
 

@@ -80,7 +80,7 @@ PetscErrorCode GrowTolerance(PetscBool touches, PetscReal *rtol, PetscReal *most
             "-contact_rtol %g: is below -ts_rtol, %g, and steps are never finer than that; give "
             "a smaller -ts_rtol",
             (double)*most, (double)*rtol);
-  /* of a run gone on with, both are as they were, but for what is given anew */
+  /* of a run gone on with, both are as they were, but for what is given again */
   if (!eased || (OptionOnCommandLine("-ts_rtol") && !OptionOnCommandLine("-contact_rtol")))
     *most = *rtol;
   PetscFunctionReturn(0);
