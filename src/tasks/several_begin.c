@@ -254,6 +254,7 @@ PetscErrorCode RunEnd(Run *self) {
     PetscCall(LegPartEnd(&self->each[k].leg[SPACE]));
   }
   for (int i = 0; i < 2; i++) PetscCall(VecDestroy(&self->here[i]));
+  PetscCall(RunMarksEnd(self));
   PetscCall(EstimateDestroy(&self->estimate));
   PetscCall(LegDestroy(&self->leg));
   for (int i = 0; i < 2; i++) PetscCall(StrandsDestroy(&self->strands[i]));
