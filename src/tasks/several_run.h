@@ -5,6 +5,13 @@
 #include "record/several.h"
 #include "tasks/growing.h"
 
+/* What a run needs to go on from a time. */
+typedef struct {
+  RestartState state; /* of all, */
+  RestartState *own;  /* and of each */
+  Vec U, errors[ESTIMATE_KEPT];
+} RunMark;
+
 /* A rod that is run again, finer: what it has, and what is given and stays. */
 typedef struct {
   PetscInt cells;
@@ -25,7 +32,7 @@ typedef struct {
   Output *output;
   Several file;
   Vec U, U_t;  /* the state that was come to, and its rate: those of the leg, or of an event */
-  Vec here[2]; /* of an event within a step */
+  Vec here[2]; /* ... or of a change, within a step */
   PetscInt stopped_by; /* the rod whose event ends the run; -1: none has */
   const char *restart; /* the file to go on from; empty: none */
   RestartState from;   /* of all, there, */
@@ -37,8 +44,11 @@ typedef struct {
   PetscReal before;   /* and the error estimate of the latest of them */
   Finer *finer;       /* [n], of -accuracy; NULL: not */
   PetscBool rtol_given;
-  PetscBool by_steps;            /* a host program asks for one step after the other: RunStep() */
-  PetscReal until;               /* ... and what is beyond waits to be looked at */
+  PetscBool by_steps; /* a host program asks for one step after the other: RunStep() */
+  PetscReal until;    /* ... and what is beyond waits to be looked at */
+  PetscInt marks;
+  RunMark *mark;                 /* of a run by steps, at the times of its stored shapes */
+  RunMark *saved;                /* that which is being saved; NULL: the present state */
   PetscBool waits;               /* the step that was taken last does */
   PetscBool enters;              /* the stepper begins to solve */
   PetscBool over;                /* no step follows */
@@ -57,6 +67,8 @@ PetscErrorCode RunAfterSolve(Run *self);
 /* several_steps.c: a run by steps */
 PetscErrorCode RunStep(Run *self, PetscReal until);
 PetscErrorCode RunWithin(Run *self, PetscReal t, Vec V[2]);
+PetscErrorCode RunMarkShape(Run *self, PetscReal t);
+PetscErrorCode RunMarksEnd(Run *self);
 PetscErrorCode RunSave(Run *self, const char *path, PetscReal t, PetscReal now);
 
 /* several_events.c */
@@ -68,12 +80,24 @@ PetscErrorCode RunEndHere(Run *self);
 PetscErrorCode RunBegin(Run *self);
 PetscErrorCode RunEnd(Run *self);
 
+/* several_changes.c */
+PetscErrorCode RunApply(Run *self, PetscInt which, const char *name, const char *value,
+                        PetscReal t);
+PetscErrorCode RunRecord(Run *self, PetscInt which, const char *name, const char *value,
+                         PetscReal t);
+PetscBool RunIsChanged(const Run *self);
+PetscErrorCode RunStepOn(Run *self, PetscReal until);
+PetscErrorCode RunTellNotReached(Run *self);
+PetscErrorCode RunTakeChanges(Run *self);
+
 /* several_accuracy.c */
 PetscErrorCode RunAccuracy(Run *self, PetscBool touches);
 PetscErrorCode RunRefine(Run *self, PetscBool *again);
 PetscErrorCode RunStartOver(Run *self);
 
 /* several_keep.c */
+PetscErrorCode RunMarkAt(Run *self, PetscReal t, RunMark *mark);
+PetscErrorCode RunMarkEnd(RunMark *mark);
 PetscErrorCode RunKeep(void *ctx, HdfFile file);
 PetscErrorCode RunReadRestart(Run *self);
 PetscErrorCode RunCheckSame(const Run *self);
