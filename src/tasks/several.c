@@ -5,6 +5,7 @@
 #include "base/signals.h"
 #include "rod/ask.h"
 #include "stepping/vbdf.h"
+#include "tasks/frame_critical.h"
 #include "tasks/grow_rules.h"
 #include "tasks/several_run.h"
 
@@ -192,7 +193,7 @@ static PetscErrorCode BeginAndRun(Run *self) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode End(Run *self) {
+PetscErrorCode RunEnd(Run *self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && self->each; k++) {
     PetscCall(OutputDestroy(&self->each[k].output));
@@ -226,13 +227,17 @@ PetscErrorCode SeveralRun(const Single *asked) {
   PetscCallMPI(MPI_Comm_size(OptionsComm(), &ranks));
   UserCheck(ranks == 1, OptionsComm(),
             "[%s]: several rods run on one rank in this version; start without mpiexec", head);
+  if (asked->task == TASK_CRITICAL) {
+    PetscCall(FrameCritical(asked));
+    PetscFunctionReturn(0);
+  }
   UserCheck(asked->task == TASK_GROW, OptionsComm(),
             "[%s]: this -task knows one rod; take the sections out, or the -task", head);
   PetscCall(PetscStrncpy(run.file.path, asked->output[0] ? asked->output : asked->restart,
                          sizeof(run.file.path)));
   error = BeginAndRun(&run);
   if (error && run.ready) (void)SeveralStore(&run.file, run.t, PETSC_FALSE);
-  PetscCall(End(&run));
+  PetscCall(RunEnd(&run));
   PetscCall(error);
   PetscFunctionReturn(0);
 }

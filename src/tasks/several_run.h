@@ -24,6 +24,7 @@ typedef struct {
   OptionWords words;   /* the sections of that file */
   PetscReal end, rtol, eased, start, interval, next_output, stored_shape, t;
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
+  PetscBool halved;              /* with half the cells */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
   int stopped;
@@ -35,6 +36,7 @@ typedef struct {
 PetscErrorCode RunLook(Run *self, PetscReal t, PetscBool begins);
 PetscErrorCode RunStoreShape(Run *self, PetscReal t, Vec U);
 PetscErrorCode RunAfterStep(TS ts);
+PetscErrorCode RunEnd(Run *self);
 
 /* several_begin.c */
 PetscErrorCode RunBegin(Run *self);
