@@ -39,7 +39,7 @@ OK, ENDED, WATCH, USER, RUN, LAW, PETSC = range(7)  # what calls return, as tend
 NODE = np.dtype([("s", float), ("stretch", float), ("theta", float), ("x", float, 3), ("v", float, 3),
                  ("d", float, (3, 3)), ("curvature", float, 3), ("moment", float, 3), ("force", float, 3),
                  ("contact", float, 3)])
-BY_WORDS = ("wall_friction", "wall_to", "wall_at", "curvature_to", "curvature_2_to", "twist_to", "tip_to", "tip_turn_to")
+BY_WORDS = ("wall_friction", "wall_to", "wall_at", "wall_turn_to", "curvature_to", "curvature_2_to", "twist_to", "tip_to", "tip_turn_to")
 VALUES = {"friction": 2, "growth": 5, "curvature": 6}  # of a law
 LOCK = threading.RLock()  # PETSc is in one call at a time
 

@@ -36,7 +36,6 @@ static PetscErrorCode ChooseModel(Grow *self) {
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
-  if (space->rod) PetscCall(WallsRefuseSpace(&self->scene->contact.walls));
   PetscCall(OptionGiven("-accuracy", &asked));
   /* their errors are measured; linear rods creep behind a growth zone under friction that is next
      to exact, by as much as they are bent, and in short waves that the steps do not see */

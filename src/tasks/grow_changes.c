@@ -11,23 +11,28 @@ static PetscErrorCode ValueOf(const char *name, char value[PETSC_MAX_PATH_LEN]) 
   PetscFunctionReturn(0);
 }
 
-/* Refuses a wall that would be put where the rod is. */
+/* Refuses a wall, or a lamp, that would be put where the rod is. */
 static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value, PetscReal t) {
   const PetscInt n = self->scene->mesh.cells + 1;
+  const PetscBool lamp = (PetscBool)!strcmp(name, "-tropism_source");
   const Node *nodes;
   PetscReal(*x)[3];
   PetscBool room;
 
   PetscFunctionBegin;
-  if (strcmp(name, "-wall_at") != 0) PetscFunctionReturn(0);
+  if (!lamp && strcmp(name, "-wall_at") != 0) PetscFunctionReturn(0);
   PetscCall(ObserverGather(self->observer, self->now->rod, t,
                            self->seen.t > 0 ? self->now->U : NULL, NULL, &nodes));
   PetscCall(PetscMalloc1(n, &x));
   for (PetscInt i = 0; nodes && i < n; i++)
     for (int d = 0; d < 3; d++) x[i][d] = nodes[i].x[d];
-  PetscCall(SceneHasRoom(self->scene, value, t, nodes ? n : 0, (const PetscReal(*)[3])x, &room));
+  PetscCall((lamp ? SceneLampHasRoom : SceneHasRoom)(self->scene, value, t, nodes ? n : 0,
+                                                     (const PetscReal(*)[3])x, &room));
   PetscCall(PetscFree(x));
   PetscCallMPI(MPI_Bcast(&room, 1, MPIU_BOOL, 0, self->scene->comm));
+  UserCheck(room || !lamp, self->scene->comm,
+            "-tropism_source %s: the rod is there, and has no direction to a lamp; put it beside",
+            value);
   UserCheck(room, self->scene->comm, "-wall_at %s: the rod is there", value);
   PetscFunctionReturn(0);
 }

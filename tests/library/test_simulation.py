@@ -232,10 +232,10 @@ PLAYED = {  # options; (behind so many steps, what, its new value, of which T is
                     rod_model="space", wall_file=["cylinder 0.6 -0.6 0  0 0 1  0.5 outside friction 0.2",
                                                   "cylinder 30 10 0  0 0 1  0.3 outside friction 0.2"]),
                [(0, "clamp_spin", "0.3"), (15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -28.7 -9.55"),
-                (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
+                (90, "wall_turn_to", "2 T0.3 1"), (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
     "walls": (dict(growth_type="feed", growth_initial_length=1, shape_amplitude=0.05, contact_diameter=0.1, ts_max_time=1, ts_rtol=3e-6,
                    wall_file=["circle 0.6 -0.6 0.5 outside friction 0.2", "polygon outside 31 9 32 9 31 10", "path 0.6 -0.3 0 3 0 3 2 6 2"]),
-              [(15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -29.5 -10.1"), (90, "wall_to", "3 T0.3 0 0.1"),
+              [(15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -29.5 -10.1"), (90, "wall_to", "3 T0.3 0 0.1"), (95, "wall_turn_to", "2 T0.2 20deg"), (120, "wall_turn_to", "3 T0.3 -0.02"),
                (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
     "shoot": (dict(growth_type="uniform", growth_initial_length=0.5, tropism_light=1.5, tropism_source="3,2", tropism_gravity=0.5, clamp_angle="20deg",
                    tropism_direction="0,1", tropism_proprioception=1, friction_mu=0, shape_type="straight", ts_max_time=1),
@@ -281,7 +281,7 @@ class Played(unittest.TestCase):
                 self.assertEqual(len(run.attributes["changes"].splitlines()) if "changes" in run.attributes else 0, len(rows))
                 plain = tendril.run(**options)
                 self.assertGreater(np.abs(np.interp(0.7, plain.series["t"], plain.series["energy"]) - np.interp(0.7, run.series["t"], run.series["energy"])), 1e-6)
-                self.assertLess(np.abs(run.series["energy_defect"]).max(), 2e-4)
+                self.assertLess(np.abs(run.series["energy_defect"]).max(), 4e-4)
                 on = tendril.Simulation.load(file)  # in the midst of it
                 for t, what, value in rows:
                     while t > on.t and on.step():
@@ -308,7 +308,7 @@ class Played(unittest.TestCase):
         options, _ = PLAYED["stones"]
         sim = tendril.Simulation(**options | dict(rod_cells=60))
         for name, value, line in (("wall_to", "3 1 0 0", "no wall in this line"), ("wall_to", "1 -1 0 0", "already"),
-                                  ("wall_to", "1 1", "give LINE T X1 X2 X3"), ("wall_at", "2 -29.4 -10", "the rod is there"),
+                                  ("wall_to", "1 1", "give LINE T X1 X2 X3"), ("wall_turn_to", "1 9", "give LINE T ANGLE"), ("wall_turn_to", "1 0 1", "already"), ("wall_at", "2 -29.4 -10", "the rod is there"),
                                   ("tip_to", "1 1 0", "the tip is free"), ("friction_factor", "0", "0.001"),
                                   ("feed_speed", "fast", "give a number"), ("tropism_light", "1", "nothing in it learns")):
             with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
@@ -333,13 +333,14 @@ class Played(unittest.TestCase):
             ends[lamp] = sim.theta[-1]
         self.assertTrue(ends["4,-1"] < 0 < ends["4,1"] < ends["-4,1"], ends)
         sim = tendril.Simulation(**options)
-        for name, value, line in (("tropism_gravity", 1, "is 0 in this run"), ("tropism_source", "1,1,1", "out of the plane"), ("tropism_direction", "0,1", "is not sensed")):
+        on_it = ",".join(map(repr, sim.x[20].tolist()))
+        for name, value, line in (("tropism_source", on_it, "the rod is there"), ("tropism_gravity", 1, "is 0 in this run"), ("tropism_source", "1,1,1", "out of the plane"), ("tropism_direction", "0,1", "is not sensed")):
             with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
                 sim.set(name, value)
 
     def test_a_wall_of_the_plane_is_not_put_where_the_rod_is(self):
         sim = tendril.Simulation(**PLAYED["walls"][0] | dict(rod_cells=60))
-        for value, line in (("1 0 0.4", "the rod is there"), ("2 -30.8 -9.3", "the rod is there"), ("1 0 0 1", "out of the plane"), ("3 0 5", "the rod is there")):
+        for value, line in (("1 0 0.4", "the rod is there"), ("2 -30.8 -9.3", "the rod is there"), ("1 0 0 1", "stays in it"), ("3 0 5", "the rod is there")):
             with self.subTest(value), self.assertRaisesRegex(tendril.RunError, line):
                 sim.set("wall_at", value)
         sim.set("wall_at", "3 0 0.1")
