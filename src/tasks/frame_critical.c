@@ -379,11 +379,11 @@ static PetscErrorCode WriteMode(const Frame *self, HdfFile file) {
   PetscCall(EPSGetEigenvector(self->modes.eps, self->growing.which, mode, NULL));
   PetscCall(VecGetArrayRead(mode, &u));
   PetscCall(VecGetArrayRead(self->U, &state));
-  for (PetscInt i = 0; i < n; i++)
-    for (int d = 0; d < 3; d++) {
-      x[i][d] = state[i * fields + d];
-      moves[i][d] = u[i * fields + d];
-      most = PetscMax(most, PetscAbsReal(moves[i][d]));
+  for (PetscInt k = 0; k < rod->rods; k++)
+    for (PetscInt i = rod->at[k]; i < rod->at[k + 1]; i++) {
+      ScenePlaceToLab(rod->each[k]->scene, state + i * fields, x[i]);
+      SceneToLab(rod->each[k]->scene, u + i * fields, moves[i]);
+      for (int d = 0; d < 3; d++) most = PetscMax(most, PetscAbsReal(moves[i][d]));
     }
   for (PetscInt i = 0; i < n && most > 0; i++)
     for (int d = 0; d < 3; d++) moves[i][d] /= most;
@@ -489,7 +489,7 @@ static PetscErrorCode FindOn(Run *run, Frame *frame, Found *found) {
 }
 
 static PetscErrorCode FindHalf(PetscReal *factor) {
-  Run run = {.restart = "", .halved = PETSC_TRUE};
+  Run run = {.restart = "", .stopped_by = -1, .halved = PETSC_TRUE};
   PetscErrorCode error;
   Frame frame = {0};
   Found found = {0};
@@ -529,7 +529,7 @@ static PetscErrorCode FindAndStore(Run *run, Frame *frame, const char *output) {
   The error bound is the change from half the cells, and what modes are found to.
 */
 PetscErrorCode FrameCritical(const Single *asked) {
-  Run run = {.restart = ""};
+  Run run = {.restart = "", .stopped_by = -1};
   PetscErrorCode error;
   Frame frame = {0};
 

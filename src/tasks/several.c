@@ -2,13 +2,7 @@
    each is that of a run of its own (growing.h), by the leg that it has in that of all. */
 #include "tasks/several.h"
 #include "base/signals.h"
-<<<<<<< HEAD
-#include "rod/ask.h"
-#include "stepping/vbdf.h"
 #include "tasks/frame_critical.h"
-#include "tasks/grow_rules.h"
-=======
->>>>>>> trunk
 #include "tasks/several_run.h"
 #include "tasks/grow_rules.h"
 
@@ -47,6 +41,11 @@ static PetscErrorCode TakeStep(Run *self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* Is one step taken after the other, for between them something may be changed? */
+static PetscBool ByTurns(const Run *self) {
+  return (PetscBool)(self->by_steps || RunIsChanged(self));
+}
+
 /* RunAfterStep - what the stepper calls behind each of its steps: looks at it, unless it is to
    wait; as GrowAfterStep() has it. */
 PetscErrorCode RunAfterStep(TS ts) {
@@ -70,11 +69,11 @@ PetscErrorCode RunAfterStep(TS ts) {
                               : TS_CONVERGED_ITERATING;
     PetscCall(TSSetConvergedReason(ts, reason));
   }
-  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + grow_rule.same_time));
+  self->waits = (PetscBool)(ByTurns(self) && t > self->until * (1 + grow_rule.same_time));
   self->reason = reason;
   if (!self->waits) PetscCall(TakeStep(self, t));
-  if (self->by_steps) PetscCall(TSGetConvergedReason(ts, &reason));
-  if (self->waits || (self->by_steps && !reason))
+  if (ByTurns(self)) PetscCall(TSGetConvergedReason(ts, &reason));
+  if (self->waits || (ByTurns(self) && !reason))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER)); /* the host has its turn */
   PetscFunctionReturn(0);
 }
@@ -96,11 +95,13 @@ PetscErrorCode RunAfterSolve(Run *self) {
 
 static PetscErrorCode Follow(Run *self) {
   PetscFunctionBegin;
+  while (!self->over && RunIsChanged(self)) PetscCall(RunStepOn(self, PETSC_MAX_REAL));
   while (!self->over) {
     PetscCall(TSSolve(self->leg.ts, self->leg.U));
     PetscCall(RunAfterSolve(self));
   }
   PetscCall(RunProgress(self, PETSC_TRUE));
+  PetscCall(RunTellNotReached(self));
   PetscFunctionReturn(0);
 }
 
@@ -110,34 +111,8 @@ static PetscErrorCode BeginAndRun(Run *self, PetscBool *again) {
   PetscCall(RunBegin(self));
   SignalsCatch();
   PetscCall(RunHeading(self));
-<<<<<<< HEAD
-  PetscCall(Solve(self));
-  PetscCall(Finish(self));
-  PetscFunctionReturn(0);
-}
-
-PetscErrorCode RunEnd(Run *self) {
-  PetscFunctionBegin;
-  for (PetscInt k = 0; k < self->n && self->each; k++) {
-    PetscCall(OutputDestroy(&self->each[k].output));
-    PetscCall(ObserverDestroy(&self->each[k].observer));
-    PetscCall(EstimateDestroy(&self->each[k].estimate));
-    PetscCall(LegPartEnd(&self->each[k].leg[SPACE]));
-  }
-  PetscCall(EstimateDestroy(&self->estimate));
-  PetscCall(LegDestroy(&self->leg));
-  for (int i = 0; i < 2; i++) PetscCall(StrandsDestroy(&self->strands[i]));
-  for (PetscInt k = 0; k < self->n && self->scene; k++) PetscCall(SceneDestroy(&self->scene[k]));
-  PetscCall(PetscFree3(self->scene, self->each, self->output));
-  if (self->begun) PetscCall(SeveralEnd(&self->file));
-  PetscCall(JointsDestroy(&self->joints));
-  PetscCall(RodsDestroy(&self->rods));
-  PetscCall(PetscFree(self->own));
-  WordsFree(&self->words);
-=======
   PetscCall(Follow(self));
   PetscCall(RunFinish(self, again));
->>>>>>> trunk
   PetscFunctionReturn(0);
 }
 

@@ -53,9 +53,6 @@ typedef struct {
 
 /* several.c: the loop */
 PetscErrorCode RunAfterStep(TS ts);
-<<<<<<< HEAD
-PetscErrorCode RunEnd(Run *self);
-=======
 PetscErrorCode RunAfterSolve(Run *self);
 
 /* several_steps.c: a run by steps */
@@ -67,7 +64,6 @@ PetscErrorCode RunSave(Run *self, const char *path, PetscReal t, PetscReal now);
 PetscErrorCode RunRefuseEvents(Run *self);
 PetscErrorCode RunLocateEvent(Run *self, PetscReal *t);
 PetscErrorCode RunEndHere(Run *self);
->>>>>>> trunk
 
 /* several_begin.c */
 PetscErrorCode RunBegin(Run *self);
