@@ -96,7 +96,7 @@ MUTATIONS = [
     ("highest order 5", *rule(S, "highest_order", "6", "5")),
     ("kicked, never", *rule(S, "wall_onset", "1e-4", "0")),
     ("kicked, soon", *rule(S, "wall_onset", "1e-4", "0.1")),
-    ("kick, never over", L, "if (t >= of->kick_ends) of->kick[f] = 0;", ""),
+    ("kick, never over", L, "if (t >= of->onset_ends) of->onset[f] = 0;", ""),
     ("longer than it is", L, "Reach(rod->model, of->tried) <= step_rule.reach_slack * length);", "1);"),
     ("guard, none", L, "PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));", ""),
     ("first guess at rest", L, "PetscCall(RodGrowNodes(rod, t0, t1, nodes));", ""),

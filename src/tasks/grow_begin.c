@@ -80,7 +80,7 @@ PetscErrorCode GrowTolerance(PetscBool touches, PetscReal *rtol, PetscReal *most
             "-contact_rtol %g: is below -ts_rtol, %g, and steps are never finer than that; give "
             "a smaller -ts_rtol",
             (double)*most, (double)*rtol);
-  /* of a run gone on with, both are as they were, but for what is given anew */
+  /* of a run gone on with, both are as they were, but for what is given again */
   if (!eased || (OptionOnCommandLine("-ts_rtol") && !OptionOnCommandLine("-contact_rtol")))
     *most = *rtol;
   PetscFunctionReturn(0);
@@ -230,7 +230,7 @@ PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
       PetscCall(GrowAddLeg(self, m));
   PetscCall(CrawlAllowed(GrowOwnLeg(self)->ts, &self->crawl));
   PetscCall(RodHoldTip(GrowOwnLeg(self)->rod));
-  if (begun) PetscCall(RestartChange(restart, self->scene));
+  if (begun) PetscCall(RestartChange(restart, NULL, self->scene));
   if (begun && ChangedBefore(self) && self->model == AUTO) self->can[LINEAR] = PETSC_FALSE;
   for (PetscInt m = 0; m < MODELS && begun; m++)
     if (self->leg[m].ts) PetscCall(LegEndAtTurns(&self->leg[m]));

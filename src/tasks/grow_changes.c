@@ -50,19 +50,46 @@ static PetscErrorCode Check(Grow *self, const char *name) {
   PetscFunctionReturn(0);
 }
 
+/* GrowMayChange - refuses what cannot be changed at t; the options have the value. Collective. */
+PetscErrorCode GrowMayChange(Grow *self, const char *name, const char *value, PetscReal t) {
+  PetscFunctionBegin;
+  PetscCall(Check(self, name));
+  PetscCall(SceneMayChange(self->scene, name, value, t));
+  PetscCall(CheckRoom(self, name, value, t));
+  PetscFunctionReturn(0);
+}
+
 /* In force from t on; the options have the value. */
 static PetscErrorCode Apply(Grow *self, const char *name, const char *value, PetscReal t) {
   const PetscBool acts = (PetscBool)(strcmp(name, "-ts_max_time") != 0 || self->waits);
   const PetscReal end = self->scene->end_time;
 
   PetscFunctionBegin;
-  PetscCall(SceneMayChange(self->scene, name, value, t));
-  PetscCall(CheckRoom(self, name, value, t));
+  PetscCall(GrowMayChange(self, name, value, t));
   PetscCall(GrowSettle(self, t));
   PetscCall(SceneChange(self->scene, name, value, t));
   PetscCall(EstimateSceneChanged(self->estimate));
   PetscCall(GrowChange(self, acts));
   if (self->scene->end_time > end) self->over = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
+/* GrowPutOption - an option has a value; before: what it had. Words that are no
+   option have none. */
+PetscErrorCode GrowPutOption(const char *name, const char *value, char before[PETSC_MAX_PATH_LEN]) {
+  PetscFunctionBegin;
+  if (!SceneChangedOption(name)) PetscFunctionReturn(0);
+  PetscCall(ValueOf(name, before));
+  PetscCall(PetscOptionsSetValue(NULL, name, value));
+  PetscFunctionReturn(0);
+}
+
+/* GrowPutBack - options are those with which the run began: from these, and what was changed,
+   another one gets to where it is. */
+PetscErrorCode GrowPutBack(const char *name, const char *before, PetscBool failed) {
+  PetscFunctionBegin;
+  if (SceneChangedOption(name) && (failed || strcmp(name, "-ts_max_time") != 0))
+    PetscCall(OptionPut(name, before));
   PetscFunctionReturn(0);
 }
 
@@ -74,18 +101,13 @@ static PetscErrorCode Apply(Grow *self, const char *name, const char *value, Pet
   t     the present time: that of the latest step, or one within the step that waits
 */
 PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t) {
-  const OptionRow *row = SceneChangedOption(name);
   char before[PETSC_MAX_PATH_LEN];
   PetscErrorCode error;
 
   PetscFunctionBegin;
-  PetscCall(Check(self, name));
-  if (row) PetscCall(ValueOf(name, before));
-  if (row) PetscCall(PetscOptionsSetValue(NULL, name, value));
+  PetscCall(GrowPutOption(name, value, before));
   error = Apply(self, name, value, t);
-  /* options are those with which the run began: from these, and what was changed, another one gets
-     to where it is */
-  if (row && (error || strcmp(name, "-ts_max_time") != 0)) PetscCall(OptionPut(name, before));
+  PetscCall(GrowPutBack(name, before, (PetscBool)(error != 0)));
   PetscCall(error);
   PetscFunctionReturn(0);
 }

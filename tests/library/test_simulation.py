@@ -68,6 +68,89 @@ class AsTheProgram(unittest.TestCase):
             np.testing.assert_allclose(sim.x, run.at(t).x, rtol=0, atol=1e-14)
 
 
+TOGETHER = dict(growth_type="uniform", growth_initial_length=1, friction_beta=1e-4, friction_mu=0.5, ts_max_time=0.1, rod_cells=10)
+RODS = {"left": {"rod_curvature": 0.3}, "right": {"clamp_place": (0, 1, 0), "rod_curvature": -0.4, "rod_cells": 14},
+        "twig": {"clamp_on": "left", "clamp_at": "tip", "growth_initial_length": 0.4}}
+
+
+class SeveralRods(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.by_program = tendril.run(rods=RODS, **TOGETHER)
+
+    def test_interleaved_they_are_those_of_the_program_to_the_last_digit(self):
+        """Each rod's series, those of all, and places; beside a run of one rod, which is its own, too."""
+        short = FEW | {"ts_max_time": 0.05}
+        run, alone = self.by_program, tendril.run("feed", **short)
+        sim, other = tendril.Simulation(rods=RODS, **TOGETHER), tendril.Simulation("feed", **short)
+        while sim.step():
+            other.step()
+        other.advance()
+        self.assertEqual(list(sim.rods), list(RODS))
+        self.assertEqual(differing(other.series, alone.series), [])
+        self.assertEqual(differing(sim.series, run.series), [])
+        for name in RODS:
+            self.assertEqual(differing(sim[name].series, run[name].series), [])
+            np.testing.assert_array_equal(sim[name].x, run[name].at(sim.t).x)
+        self.assertIn("energy", sim.series)
+        self.assertNotIn("tip_x1", sim.series)
+
+    def test_looking_and_saving_on_the_way_change_nothing(self):
+        looked, straight = tendril.Simulation(rods=RODS, **TOGETHER), self.by_program
+        looked.advance(0.04)
+        self.assertEqual((looked.t, looked.series["t"][-1], looked["twig"].series["t"][-1]), (0.04, 0.04, 0.04))
+        looked["twig"].nodes
+        looked.step()
+        with tempfile.TemporaryDirectory() as directory:
+            looked.save(f"{directory}/half.h5")
+            again = tendril.Simulation.load(f"{directory}/half.h5")
+        for sim in (looked, again):
+            sim.advance()
+            for name in RODS:
+                self.assertEqual(differing(sim[name].series, straight[name].series), [])
+            self.assertEqual(differing(sim.series, straight.series), [])
+
+    def test_what_is_changed_of_one_or_of_all_is_a_scene_of_the_program(self):
+        """The changes that are in its file, given to the program as a table of each rod, make the same run."""
+        sim = tendril.Simulation(rods=RODS, **TOGETHER)
+        sim.advance(0.03)
+        sim["right"].set("tip_force", 0.4)
+        sim.advance(0.06)
+        sim.set("friction_mu", 0.3)
+        with tempfile.TemporaryDirectory() as directory:
+            sim.save(f"{directory}/changed.h5")
+            again = tendril.Simulation.load(f"{directory}/changed.h5")
+            sim.advance()
+            again.advance()
+            rods = {}
+            for name, own in RODS.items():
+                Path(f"{directory}/{name}.txt").write_text(("0.03 tip_force 0.4\n" if name == "right" else "") + "0.06 friction_mu 0.3\n")
+                rods[name] = own | {"change_file": f"{directory}/{name}.txt"}
+            run = tendril.run(rods=rods, **TOGETHER)
+        for name in RODS:
+            self.assertEqual(differing(sim[name].series, run[name].series), [])
+            self.assertEqual(differing(again[name].series, sim[name].series), [])
+        self.assertGreater(abs(run["right"].series["tip_x1"][-1] - self.by_program["right"].series["tip_x1"][-1]), 1e-4)
+
+    def test_mistakes_are_one_sentence_and_change_nothing(self):
+        for more, line in (({"rods": {"a": {"rod_curvaturex": 1}}}, "rod a: rod_curvaturex: unknown option"),
+                           ({"b_rod_cells": 3}, "b_rod_cells: unknown option"), ({"rods": {"a": {"tip_on": "c"}}}, "there is no rod of that name")):
+            with self.subTest(more), self.assertRaisesRegex(tendril.RunError, line) as caught:
+                tendril.Simulation(**{"rods": RODS} | TOGETHER | more)
+            self.assertNotIn("\n", str(caught.exception))
+        sim = tendril.Simulation(rods=RODS, **TOGETHER)
+        sim.advance(0.05)
+        for option, value in (("left_tip_forcex", 1), ("rod_cells", 3), ("up_tip_force", 1), ("left_friction_mu", 1)):
+            with self.subTest(option), self.assertRaises(tendril.RunError):
+                sim.set(option, value)
+        with self.assertRaisesRegex(tendril.TendrilError, "holds 3 rods"):
+            sim.x
+        with self.assertRaisesRegex(KeyError, "did you mean left"):
+            sim["lef"]
+        sim.advance()
+        self.assertEqual(differing(sim.series, self.by_program.series), [])
+
+
 class Handling(unittest.TestCase):
     def test_mistakes_are_one_sentence_and_the_process_goes_on(self):
         for options, line in (({"friction_mux": 1}, "did you mean friction_mu"), ({"friction_mu": 2}, "too large"),
