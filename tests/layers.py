@@ -19,7 +19,7 @@ STRANGERS = {("material", "world"), ("world", "material")}  # a rod's own, and w
 # header: who may include it
 KEPT = {r"petsc/private/": {"stepping/vbdf.c", "stepping/controller.c", "rod/rod.c", "rod/coupled.c", "system/model.c"},
         r"hdf5\.h": {"base/hdf_library.h"},
-        r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/bent.c", "tasks/program.c", "library/process.c"}}
+        r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/modes.h", "tasks/program.c", "library/process.c"}}
 
 LAW = {"TS", "SNES", "KSP", "PC", "EPS", "ST", "Mat"}  # classes of PETSc and SLEPc that a law does not name
 SOLVERS = {"material": LAW, "world": LAW, "scene": LAW, "rod": {"TS", "SNES", "EPS", "ST"}, "system": {"TS", "SNES", "EPS", "ST"}}

@@ -149,7 +149,12 @@ def check_modes(stability, critical):
         for name, values in stability.items():
             if np.ndim(values) == 1 and name != "t" and len(values) != len(t):
                 raise ResultsError(f"{stability.of}/{name}: has {len(values)} rows, and t {len(t)}")
-    if critical:
+    if "factor" in critical:  # of several rods
+        for name in ("factor", "error", "frequency"):
+            finite(critical, name, 0)
+        finite(critical, "mode", 2, finite(critical, "x", 2).shape)
+        finite(critical, "first", 1)
+    elif critical:
         s = finite(critical, "s", 1)
         for name in ("t", "length", "error", "frequency"):
             finite(critical, name, 0)

@@ -394,10 +394,36 @@ class Critical:
                        frequency=self.frequency / scale("time"))
 
 
-def critical(scene=None, **options) -> Critical:
-    """The length at which the straight rod gives way; scene and options as for run."""
+@dataclass(repr=False)
+class CriticalLoads:
+    """By which factor all that loads several rods is to be multiplied until they give way."""
+
+    factor: float
+    error: float  # a bound on its error
+    frequency: float  # of the flutter, rad per unit of time; 0: they buckle
+    x: dict[str, np.ndarray]  # {rod: [n, 3]}, where they are then
+    mode: dict[str, np.ndarray]  # {rod: [n, 3]}, how they begin to move, largest 1
+    results: Results
+
+    def __repr__(self):
+        return f"<{self.factor:.10g} times the loads, {f'flutter, frequency {self.frequency:.6g}' if self.frequency > 0 else 'buckling'}>"
+
+
+def critical_loads(r) -> CriticalLoads:
+    """That of a result of several rods."""
+    found = r.critical
+    first = [*found["first"].astype(int), len(found["x"])]
+    names = str(found["rods"]).split("\n")
+    parts = [{name: found[key][a:b] for name, a, b in zip(names, first[:-1], first[1:])} for key in ("x", "mode")]
+    return CriticalLoads(*(float(found[key]) for key in ("factor", "error", "frequency")), *parts, r)
+
+
+def critical(scene=None, **options) -> Critical | CriticalLoads:
+    """The length at which the straight rod gives way; of several rods that stand, the factor of their loads. Scene and options as for run."""
     if options.pop("task", "critical") != "critical":
         raise TendrilError("critical: leaves no choice of a task; run() does")
     r = run(scene, task="critical", **options)
+    if "factor" in r.critical:
+        return critical_loads(r)
     numbers = (float(r.critical[name]) for name in ("t", "length", "error", "frequency"))
     return Critical(*numbers, r.critical.s, r.critical.y, r)

@@ -10,16 +10,12 @@
 #include "rod/directors.h"
 #include "stepping/leg.h"
 #include "tasks/growing.h"
-#include <slepceps.h>
+#include "tasks/modes.h"
 
-/* Eigenvalues nearest to 0 that are looked at: modes that are about to grow come through it, or
-   past it. */
-enum { NEAREST = 6, SUBSPACE = 40, CORRECTIONS = 2 };
+enum { CORRECTIONS = 2 };
 /* Steps that tables end, unless they bend farther than by their noise so often. */
 enum { MOST_BENDS = 2000 };
 
-/* 1/sigma that is so much smaller than the largest is its round-off. */
-static const PetscReal noise = 1e-7;
 /* A root is found to this part of the time. */
 static const PetscReal root_found = 2e-13;
 /* How far from straight lines tables may be between steps, as a part of their size. */
@@ -29,14 +25,9 @@ static const PetscReal straight_on = 0.02;
 static const PetscReal least_beta = 1e-16;
 
 typedef struct {
-  PetscReal rate, frequency; /* of the mode with the largest real part of those */
-  PetscInt which;            /* of them */
-} Growing;
-
-typedef struct {
   Leg leg;
-  EPS eps;
-  Mat A, B, T;       /* dF/dU, -dF/dU_t, and A^-1 B */
+  Modes modes;
+  Mat A, B;          /* dF/dU, -dF/dU_t */
   KSP ksp;           /* A^-1 */
   Vec U, U_t, work;  /* within a step */
   Vec moves;         /* see SetMoves() */
@@ -91,19 +82,6 @@ static PetscErrorCode Check(Scene scene) {
   PetscFunctionReturn(0);
 }
 
-/* y = T x, see SolverCreate(). */
-static PetscErrorCode Apply(Mat T, Vec x, Vec y) {
-  Bent *self;
-
-  PetscFunctionBegin;
-  PetscCall(MatShellGetContext(T, &self));
-  PetscCall(VecPointwiseMult(y, self->moves, x));
-  PetscCall(MatMult(self->B, y, self->work));
-  PetscCall(KSPSolve(self->ksp, self->work, y));
-  PetscCall(VecPointwiseMult(y, self->moves, y));
-  PetscFunctionReturn(0);
-}
-
 /* 1 for each place and director that can move, 0 for what is held, and for forces and moments. The
    rod is on this rank alone. (A tip that slides is held across the clamp's axes, which need not be
    those of places: there T is 0 by itself.) */
@@ -121,28 +99,6 @@ static PetscErrorCode SetMoves(Bent *self) {
   for (PetscInt k = 0; k < fields; k++)
     if (k < 3 ? TipHolds(tip, 0) : TipPoints(tip)) moves[n - fields + k] = 0;
   PetscCall(VecRestoreArray(self->moves, &moves));
-  PetscFunctionReturn(0);
-}
-
-/* The problem is T u = u/sigma, T = A^-1 B, of places and directors alone: no rates of forces are
-   in the equations, so these follow, and with them T has round-off for eigenvalues that are 0. Nor
-   of what is held, for that is at rest: where friction is next to exact B is 1/sqrt(beta) there,
-   and what it makes of a first guess that is not 0 there is so much larger than any mode that their
-   round-off was told as modes that grow. */
-static PetscErrorCode SolverCreate(MPI_Comm comm, Bent *self) {
-  PetscInt n;
-
-  PetscFunctionBegin;
-  PetscCall(VecGetLocalSize(self->U, &n));
-  PetscCall(ChainCreateSolver(comm, MATORDERINGNATURAL, &self->ksp)); /* as in every step */
-  PetscCall(MatCreateShell(comm, n, n, PETSC_DETERMINE, PETSC_DETERMINE, self, &self->T));
-  PetscCall(MatShellSetOperation(self->T, MATOP_MULT, (void (*)(void))Apply));
-  PetscCall(EPSCreate(comm, &self->eps));
-  PetscCall(EPSSetOperators(self->eps, self->T, NULL));
-  PetscCall(EPSSetProblemType(self->eps, EPS_NHEP));
-  PetscCall(EPSSetTolerances(self->eps, 1e-10, 200));
-  PetscCall(EPSSetDimensions(self->eps, NEAREST, SUBSPACE, PETSC_DEFAULT));
-  PetscCall(EPSSetWhichEigenpairs(self->eps, EPS_LARGEST_MAGNITUDE));
   PetscFunctionReturn(0);
 }
 
@@ -165,29 +121,9 @@ static PetscErrorCode Assemble(Bent *self, PetscReal t, Vec U, Vec U_t) {
 
 /* The mode of a state that grows fastest, or decays slowest. */
 static PetscErrorCode Look(Bent *self, PetscReal t, Vec U, Vec U_t, Growing *growing) {
-  PetscReal most = 0;
-  PetscScalar re, im;
-  PetscInt found;
-
   PetscFunctionBegin;
   PetscCall(Assemble(self, t, U, U_t));
-  PetscCall(KSPSetOperators(self->ksp, self->A, self->A));
-  PetscCall(EPSSetOperators(self->eps, self->T, NULL)); /* it has changed */
-  PetscCall(EPSSolve(self->eps));
-  PetscCall(EPSGetConverged(self->eps, &found));
-  PetscCheck(found > 0, PetscObjectComm((PetscObject)self->eps), PETSC_ERR_CONV_FAILED,
-             "no mode of the bent rod was found at t = %g", (double)t);
-  *growing = (Growing){.rate = PETSC_MIN_REAL};
-  for (PetscInt i = 0; i < found; i++) {
-    PetscReal size;
-    PetscCall(EPSGetEigenvalue(self->eps, i, &re, &im));
-    size = re * re + im * im;
-    if (!i) most = size;
-    if (size < most * PetscSqr(noise)) continue;
-    re /= size;
-    im /= size;
-    if (re > growing->rate) *growing = (Growing){re, PetscAbsReal(im), i};
-  }
+  PetscCall(ModesLook(&self->modes, t, growing));
   PetscFunctionReturn(0);
 }
 
@@ -242,7 +178,7 @@ static PetscErrorCode StoreMode(const Bent *self) {
   PetscCall(PetscMalloc3(n, &critical->s, n, &critical->y, n, &critical->theta));
   PetscCall(PetscMalloc2(n, &critical->y3, n, &critical->theta3));
   PetscCall(VecDuplicate(self->U, &mode));
-  PetscCall(EPSGetEigenvector(self->eps, self->growing.which, mode, NULL));
+  PetscCall(EPSGetEigenvector(self->modes.eps, self->growing.which, mode, NULL));
   PetscCall(VecGetArrayRead(mode, &u));
   PetscCall(VecGetArrayRead(self->U, &state));
   for (PetscInt i = 0; i < n; i++) {
@@ -397,8 +333,9 @@ static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent 
   PetscCall(VecDuplicate(self->leg.U, &self->U_t));
   PetscCall(VecDuplicate(self->leg.U, &self->work));
   PetscCall(SetMoves(self));
-  PetscCall(SolverCreate(scene->comm, self));
-  if (!quiet) PetscCall(EPSSetFromOptions(self->eps));
+  PetscCall(ChainCreateSolver(scene->comm, MATORDERINGNATURAL, &self->ksp)); /* as in every step */
+  PetscCall(ModesCreate(self->A, self->B, self->ksp, self->moves, &self->modes));
+  if (!quiet) PetscCall(EPSSetFromOptions(self->modes.eps));
   PetscCall(CrawlAllowed(self->leg.ts, &self->crawl));
   PetscCall(RodBegin(rod, self->leg.U));
   PetscFunctionReturn(0);
@@ -406,10 +343,9 @@ static PetscErrorCode Create(Scene scene, PetscReal rtol, PetscBool quiet, Bent 
 
 static PetscErrorCode Destroy(Bent *self) {
   PetscFunctionBegin;
-  PetscCall(EPSDestroy(&self->eps));
+  PetscCall(ModesDestroy(&self->modes));
   PetscCall(MatDestroy(&self->A));
   PetscCall(MatDestroy(&self->B));
-  PetscCall(MatDestroy(&self->T));
   PetscCall(KSPDestroy(&self->ksp));
   PetscCall(VecDestroy(&self->U));
   PetscCall(VecDestroy(&self->U_t));

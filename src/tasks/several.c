@@ -2,6 +2,7 @@
    each is that of a run of its own (growing.h), by the leg that it has in that of all. */
 #include "tasks/several.h"
 #include "base/signals.h"
+#include "tasks/frame_critical.h"
 #include "tasks/several_run.h"
 #include "tasks/grow_rules.h"
 
@@ -129,6 +130,10 @@ PetscErrorCode SeveralRun(const Single *asked) {
   PetscCallMPI(MPI_Comm_size(OptionsComm(), &ranks));
   UserCheck(ranks == 1, OptionsComm(),
             "[%s]: several rods run on one rank in this version; start without mpiexec", head);
+  if (asked->task == TASK_CRITICAL) {
+    PetscCall(FrameCritical(asked));
+    PetscFunctionReturn(0);
+  }
   UserCheck(asked->task == TASK_GROW, OptionsComm(),
             "[%s]: this -task knows one rod; take the sections out, or the -task", head);
   PetscCall(PetscStrncpy(run.file.path, asked->output[0] ? asked->output : asked->restart,

@@ -16,6 +16,15 @@ static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionReturn(0);
 }
 
+static PetscErrorCode HalveMesh(Scene scene) {
+  const PetscInt cells = (scene->mesh.cells + 1) / 2;
+
+  PetscFunctionBegin;
+  PetscCall(MeshDestroy(&scene->mesh));
+  PetscCall(MeshCreate(cells, PETSC_FALSE, scene->growth, scene->end_time, &scene->mesh));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
   PetscBool carried, touch = PETSC_FALSE;
   const char *why;
@@ -29,6 +38,7 @@ static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
   if (RodsTouch(self->rods)) touch = PETSC_TRUE;
   PetscCall(SceneCreateOn(carried ? &seat : NULL, touch, &self->scene[k]));
   scene = self->scene[k];
+  if (self->halved) PetscCall(HalveMesh(scene));
   PetscCall(SingleShape(scene));
   scene->space.rod = PETSC_TRUE;
   PetscCall(CheckRod(scene));

@@ -53,6 +53,7 @@ typedef struct {
   PetscBool enters;              /* the stepper begins to solve */
   PetscBool over;                /* no step follows */
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
+  PetscBool halved;              /* with half the cells */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
   int stopped;

@@ -94,6 +94,18 @@ class Several(unittest.TestCase):
                 drawn.write_text(drawn.read_text().replace("<unit>cm</unit>", ""))
                 tendril.rods(drawn)
 
+    def test_critical(self):
+        """A column of two rods that are welded, of Euler's load."""
+        low = {"clamp_direction": (0, 0, 1), "growth_initial_length": 0.5}
+        found = tendril.critical(growth_type="none", friction_mu=0, shape_type="straight", rod_cells=16,
+                                 rods={"low": low, "high": {"clamp_on": "low", "growth_initial_length": 0.5, "tip_force_vector": (0, 0, -1)}})
+        self.assertLess(abs(found.factor - np.pi**2 / 4), found.error)
+        self.assertLess(found.error, 1e-5)
+        self.assertIn("buckling", repr(found))
+        self.assertEqual((list(found.mode), found.mode["high"].shape), (["low", "high"], (17, 3)))
+        self.assertEqual(np.abs(found.mode["high"][-1]).max(), 1)
+        np.testing.assert_allclose(found.x["high"][-1], (0, 0, 1), atol=1e-9)
+
     def test_laterals(self):
         table = tendril.laterals("tap", 3, first="4mm", apart="2.5mm", angle="65deg", delay={"born": "2h", "speed": "1mm/h"}, rod_cells=16)
         self.assertEqual(list(table.clamp_at), ["4mm", "6.5mm", "9mm"])

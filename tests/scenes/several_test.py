@@ -237,7 +237,7 @@ REFUSED = [  # (lines of a scene, more words, what is said)
     ("[rod a]\n[rod b]\n[pair a b]\n-contact_friction x\n", "", "line 4, pair a b: -contact_friction x: give a number"),
     ("-contact_diameter 0.1\n[rod a]\n[rod b]\n-clamp_place 0,0.05,0\n[pair a b]\n", "", "rods a and b are 0.05"),
     ("[rod a]\n-clamp_type free\n", "", "line 2, rod a: -clamp_type free: nothing keeps a rod in space from spinning"),
-    ("[rod a]\n", "-task critical", "[rod a]: this -task knows one rod"),
+    ("[rod a]\n", "-task stability", "[rod a]: this -task knows one rod"),
     ("[rod a]\n", "-pc_type lu", "several rods have none"),
     ("[rod a]\n-accuracy 1e-4\n", "", "line 2, rod a: -accuracy: is of the scene as a whole"),
     ("[rod a]\n-stop_length 0.5\n", "", "several.opts, line 2, rod a: -stop_length: the rod is 0.5 long at the start"),
