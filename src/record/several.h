@@ -1,6 +1,7 @@
 /* The result file of several rods: their series and shapes packed, rod behind rod.
 
      /rods/name, first, count [r]   rod k has the nodes first[k] ... first[k] + count[k] - 1
+     /rods/born [r]                 when each comes out, if any does in the run
      /rods/series/NAME [steps][r]   as /series/NAME of a single rod's file
      /rods/of/NAME                   attributes, and walls, as a single rod's file has them
      /rods/text                     the rods' own options, a section each
@@ -37,7 +38,7 @@ PetscErrorCode SeveralBegin(Several *self);
 PetscBool SeveralDue(const Several *self);
 PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished);
 PetscErrorCode SeveralTake(Several *self, const char *from, PetscReal t, PetscReal interval);
-PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene);
+PetscErrorCode SeveralLabels(const char *from, PetscInt k, PetscInt joints, Scene scene);
 PetscErrorCode SeveralEnd(Several *self);
 
 #endif

@@ -4,8 +4,10 @@
 #include "base/signals.h"
 #include "record/several.h"
 #include "rod/ask.h"
+#include "system/births.h"
 #include "system/model.h"
 #include "stepping/vbdf.h"
+#include "tasks/births.h"
 #include "tasks/growing.h"
 #include "tasks/grow_rules.h"
 #include <petsctime.h>
@@ -28,6 +30,7 @@ typedef struct {
   RestartState *own;   /* and of each */
   OptionWords words;   /* the sections of that file */
   PetscReal end, rtol, eased, start, interval, next_output, stored_shape, t;
+  PetscBool *to_come, bears; /* rods that are not born yet; some are with the latest step */
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
@@ -57,6 +60,8 @@ static PetscErrorCode CheckRod(const Scene scene) {
   UserCheck(!scene->tropism.any, OptionsComm(),
             "-tropism_ options and -growth_ironing: several rods do not know of a natural "
             "curvature that the material learns in this version; take them out");
+  UserCheck(scene->born == 0 || scene->tip.type == TIP_FREE, OptionsComm(),
+            "-born: not of a rod whose tip is held or led; leave it or -tip_type, -tip_path out");
   UserCheck(!scene->changes, OptionsComm(),
             "-change_file: several rods are not changed in a run in this version; take it out");
   PetscFunctionReturn(0);
@@ -83,9 +88,11 @@ static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
   UserCheck(!why, OptionsComm(), "%s", why);
   SceneAtTolerance(scene, self->rtol);
   PetscCall(RodsLeave(self->rods));
-  PetscCall(JointsDouble(self->joints, self->rods, k, scene));
+  self->to_come[k] = SceneToCome(scene, self->restart[0] ? self->from.t : 0);
+  if (self->restart[0])
+    PetscCall(SeveralLabels(self->restart, k, JointsOn(self->joints, k), scene));
+  PetscCall(JointsDouble(self->joints, self->rods, k, (PetscBool)(self->restart[0] != 0), scene));
   if (!self->restart[0]) PetscFunctionReturn(0);
-  PetscCall(SeveralLabels(self->restart, k, scene));
   PetscCall(SceneRecall(scene, &self->own[k].laws));
   PetscFunctionReturn(0);
 }
@@ -264,6 +271,29 @@ static PetscErrorCode TellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool 
   PetscFunctionReturn(0);
 }
 
+/* Is any rod to come out in the run? Then all are looked at together. */
+static PetscBool AnyToCome(const Run *self) {
+  for (PetscInt k = 0; k < self->n; k++)
+    if (self->scene[k]->born > 0) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* Births end steps, and what a step of another kind comes to is at no birth. */
+static PetscErrorCode CheckSteps(const Run *self) {
+  PetscBool vbdf, fixed;
+  TSAdapt adapt;
+
+  PetscFunctionBegin;
+  if (!AnyToCome(self)) PetscFunctionReturn(0);
+  PetscCall(TSGetAdapt(self->leg.ts, &adapt));
+  PetscCall(PetscObjectTypeCompare((PetscObject)self->leg.ts, TSVBDF, &vbdf));
+  PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
+  UserCheck(vbdf && !fixed, OptionsComm(),
+            "-born: ends a step, and with -ts_type or -ts_adapt_type none steps end elsewhere; take "
+            "these out");
+  PetscFunctionReturn(0);
+}
+
 /* What is seen of one rod. */
 static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   Grow *grow = &self->each[k];
@@ -280,7 +310,7 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   PetscCall(LegPart(&self->leg, k, grow->now));
   grow->now->ease.most = grow->eased / self->rtol;
   PetscCall(LegPartFollow(grow->now));
-  if (JointsCount(self->joints))
+  if (self->estimate)
     PetscCall(EstimatePart(self->estimate, k, grow->now, &grow->estimate));
   else
     PetscCall(EstimateCreate(grow->now, &grow->estimate));
@@ -341,6 +371,7 @@ static PetscErrorCode Keep(void *ctx, HdfFile file) {
   }
   PetscCall(KeepEach(self, own, errors));
   PetscCall(RestartKeep(&self->leg, self->t, self->leg.U, &state, points));
+  if (self->bears) state.points = state.order = 1; /* as Births() has it */
   PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
   PetscCall(TSGetStepRejections(self->leg.ts, &rejected));
   state.counted[0] = self->counted[0] + iterations;
@@ -491,6 +522,43 @@ static PetscErrorCode TakeGives(Run *self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* Rods whose time has come are born: from now on they are there. All go on from there as from a
+   change: steps begin anew, short. */
+static PetscErrorCode Births(Run *self, PetscReal t) {
+  PetscReal step;
+
+  PetscFunctionBegin;
+  self->bears = PETSC_FALSE;
+  for (PetscInt k = 0; k < self->n; k++) {
+    if (!self->to_come[k] || SceneToCome(self->scene[k], t)) continue;
+    PetscCall(BirthPlace(self->leg.rod, self->joints, k, t, self->leg.U));
+    self->bears = PETSC_TRUE;
+  }
+  if (!self->bears) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < self->n; k++) self->each[k].kept.changed = PETSC_TRUE;
+  PetscCall(VBDFBeginAnew(self->leg.ts));
+  PetscCall(TSGetTimeStep(self->leg.ts, &step));
+  PetscCall(TSSetTimeStep(self->leg.ts, PetscMin(step, grow_rule.again_step * self->end)));
+  PetscFunctionReturn(0);
+}
+
+/* Looks at one of them. */
+static PetscErrorCode LookAt(Run *self, PetscInt k, PetscReal t, PetscBool begins) {
+  Grow *grow = &self->each[k];
+  const Leg *leg = grow->now;
+
+  PetscFunctionBegin;
+  PetscCall(LegPartFollow(grow->now));
+  if (SceneToCome(self->scene[k], t))
+    PetscCall(GrowUnseen(grow, t));
+  else if (self->to_come[k])
+    PetscCall(GrowBorn(grow, t));
+  else
+    PetscCall(GrowObserve(grow, t, begins ? NULL : leg->U, begins ? NULL : leg->newton.latest.U_t));
+  self->to_come[k] = SceneToCome(self->scene[k], t);
+  PetscFunctionReturn(0);
+}
+
 /* Looks at all rods, at a time; begins: as they begin. */
 static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
   PetscReal times = PETSC_MAX_REAL;
@@ -499,12 +567,10 @@ static PetscErrorCode Look(Run *self, PetscReal t, PetscBool begins) {
   self->t = t;
   if (!begins) PetscCall(TakeGives(self, t));
   if (!begins) PetscCall(FollowErrors(self));
+  if (!begins) PetscCall(Births(self, t));
   for (PetscInt k = 0; k < self->n; k++) {
-    Grow *grow = &self->each[k];
-    Leg *leg = grow->now;
-    PetscCall(LegPartFollow(leg));
-    PetscCall(GrowObserve(grow, t, begins ? NULL : leg->U, begins ? NULL : leg->newton.latest.U_t));
-    times = PetscMin(times, leg->ease.times);
+    PetscCall(LookAt(self, k, t, begins));
+    times = PetscMin(times, self->each[k].now->ease.times);
   }
   EaseEach(self, times);
   PetscFunctionReturn(0);
@@ -519,7 +585,8 @@ static PetscErrorCode StoreShape(Run *self, PetscReal t, Vec U) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
     if (U) PetscCall(RodPartOpenRead(self->leg.rod, k, U, &part));
-    PetscCall(GrowStoreShape(&self->each[k], t, part));
+    PetscCall((SceneToCome(self->scene[k], t) ? GrowNoShape : GrowStoreShape)(&self->each[k], t,
+                                                                              part));
     if (U) PetscCall(RodPartCloseRead(self->leg.rod, k, U, &part));
   }
   self->stored_shape = t;
@@ -625,12 +692,17 @@ static PetscErrorCode Solve(Run *self) {
 
 /* A line for each rod. */
 static PetscErrorCode TellRods(Run *self) {
-  char text[4][32];
+  char text[4][64];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
     const Observation *seen = &self->each[k].seen;
     const ErrorEstimate *error = &self->each[k].error;
+    if (self->to_come[k]) {
+      PetscCall(PetscPrintf(PETSC_COMM_SELF, "%s: is born at %s\n", RodsName(self->rods, k),
+                            OptionBoth(self->scene[k]->born, UNIT_TIME, text[0])));
+      continue;
+    }
     PetscCall(PetscPrintf(PETSC_COMM_SELF, "%s: length %s, tip (%s, %s, %s)",
                           RodsName(self->rods, k), OptionNumber(seen->length, text[0]),
                           OptionNumber(seen->tip_x1, text[1]), OptionNumber(seen->tip_x2, text[2]),
@@ -745,6 +817,7 @@ static PetscErrorCode CheckStarts(Run *self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) PetscCall(CheckApart(self, k));
   for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) {
+    if (self->to_come[k]) continue;
     PetscCall(RodsEnter(self->rods, k));
     PetscCall(GrowCheckStart(&self->each[k]));
     PetscCall(RodsLeave(self->rods));
@@ -784,13 +857,16 @@ static PetscErrorCode Begin(Run *self) {
   PetscCall(ReadOptions(self));
   if (self->restart[0]) PetscCall(ReadEach(self));
   PetscCall(JointsRead(self->rods, &self->joints));
-  PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
+  PetscCall(PetscCalloc4(self->n, &self->scene, self->n, &self->each, self->n, &self->output,
+                         self->n, &self->to_come));
   PetscCall(MakeLeg(self));
   self->leg.owner = self;
   PetscCall(TSSetMaxTime(self->leg.ts, self->end));
   PetscCall(TSSetPostStep(self->leg.ts, AfterStep));
   PetscCall(LegEndAtTurns(&self->leg));
-  if (JointsCount(self->joints)) PetscCall(EstimateCreate(&self->leg, &self->estimate));
+  PetscCall(CheckSteps(self));
+  if (JointsCount(self->joints) || AnyToCome(self))
+    PetscCall(EstimateCreate(&self->leg, &self->estimate));
   for (PetscInt k = 0; k < self->n; k++) {
     PetscCall(RodsEnter(self->rods, k));
     PetscCall(MakeSeen(self, k));
@@ -872,7 +948,7 @@ static PetscErrorCode End(Run *self) {
   PetscCall(LegDestroy(&self->leg));
   for (int i = 0; i < 2; i++) PetscCall(StrandsDestroy(&self->strands[i]));
   for (PetscInt k = 0; k < self->n && self->scene; k++) PetscCall(SceneDestroy(&self->scene[k]));
-  PetscCall(PetscFree3(self->scene, self->each, self->output));
+  PetscCall(PetscFree4(self->scene, self->each, self->output, self->to_come));
   if (self->begun) PetscCall(SeveralEnd(&self->file));
   PetscCall(JointsDestroy(&self->joints));
   PetscCall(RodsDestroy(&self->rods));
