@@ -242,8 +242,7 @@ static PetscErrorCode DepartSeen(Growth self, PetscReal t, PetscReal before, Pet
     from[i] = at.S;
   }
   PetscCall(view->law.depart(&view->law, Clock(view, t), Clock(view, before), n, from, from));
-  for (PetscInt i = 0; i < n; i++)
-    PetscCall(LabelOf(view, from[i], Clock(view, before), &from[i]));
+  for (PetscInt i = 0; i < n; i++) PetscCall(LabelOf(view, from[i], Clock(view, before), &from[i]));
   PetscFunctionReturn(0);
 }
 

@@ -509,8 +509,9 @@ PetscErrorCode SeveralTake(Several *self, const char *from, PetscReal t, PetscRe
   PetscFunctionReturn(0);
 }
 
-/* SeveralLabels - gives the scene of rod k the file's mesh, which may depend on the end time. joints:
-   so many others are joined to the rod, for each of which the file has a node more, or two. */
+/* SeveralLabels - gives the scene of rod k the file's mesh, which may depend on the end time.
+   joints: so many others are joined to the rod, for each of which the file has a node more, or two.
+ */
 PetscErrorCode SeveralLabels(const char *from, PetscInt k, PetscInt joints, Scene scene) {
   PetscReal *s, *first, *count;
   PetscInt n, rods, cells = 0;

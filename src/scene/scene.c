@@ -357,8 +357,8 @@ PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene) {
 /* SceneCreate - of a rod alone: SceneCreateOn(). What it is beside others is what the scales are
    of. Collective. */
 PetscErrorCode SceneCreate(Scene *scene) {
-  static const char *const beside[] = {"-rod_stiffness", "-friction_strength", "-growth_speed",
-                                       "-clamp_on", "-tip_on", "-born"};
+  static const char *const beside[] = {
+      "-rod_stiffness", "-friction_strength", "-growth_speed", "-clamp_on", "-tip_on", "-born"};
   PetscBool given;
 
   PetscFunctionBegin;

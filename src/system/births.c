@@ -35,8 +35,8 @@ static void CarryTo(const PetscReal x[3], const PetscReal p[4], PetscInt n,
 }
 
 /*
-  BirthPlace - a rod that has stayed as it began is where its place on its carrier is now, and turned
-  as that is; or as its own clamp has turned.
+  BirthPlace - a rod that has stayed as it began is where its place on its carrier is now, and
+  turned as that is; or as its own clamp has turned.
 
   U  of all; the part of rod k changes
 */

@@ -192,9 +192,9 @@ static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
   for (PetscInt k = 0; k < rod->rods; k++) {
     const RodState own = StateOf(rod, k, at);
     window->first = self->at[k];
-    PetscCall((SceneRests(rod->each[k]->scene, at->t) ? RestingJacobian
-                                                      : rod->each[k]->model->jacobian)(
-        rod->each[k], &own, self->window));
+    PetscCall((SceneRests(rod->each[k]->scene, at->t)
+                   ? RestingJacobian
+                   : rod->each[k]->model->jacobian)(rod->each[k], &own, self->window));
   }
   PetscCall(Leave(rod, NULL));
   PetscCall(MatAssemblyBegin(J, MAT_FLUSH_ASSEMBLY));

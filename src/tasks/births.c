@@ -24,8 +24,8 @@ PetscErrorCode GrowNoShape(Grow *self, PetscReal t, Vec U) {
    there. */
 PetscErrorCode GrowBorn(Grow *self, PetscReal t) {
   PetscFunctionBegin;
-  PetscCall(ObserverMeasure(self->observer, self->now->rod, t, self->now->U, NULL, NULL,
-                            &self->seen));
+  PetscCall(
+      ObserverMeasure(self->observer, self->now->rod, t, self->now->U, NULL, NULL, &self->seen));
   self->seen.step = self->seen.newton_iterations = 0;
   self->seen.model = (PetscReal)self->model;
   PetscCall(OutputSeries(self->output, &self->seen));

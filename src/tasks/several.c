@@ -30,7 +30,7 @@ typedef struct {
   RestartState *own;   /* and of each */
   OptionWords words;   /* the sections of that file */
   PetscReal end, rtol, eased, start, interval, next_output, stored_shape, t;
-  PetscBool *to_come, bears; /* rods that are not born yet; some are with the latest step */
+  PetscBool *to_come, bears;     /* rods that are not born yet; some are with the latest step */
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
   PetscInt snaps;
   PetscReal counted[2]; /* iterations and rejected tries of the runs that it goes on with */
@@ -288,9 +288,10 @@ static PetscErrorCode CheckSteps(const Run *self) {
   PetscCall(TSGetAdapt(self->leg.ts, &adapt));
   PetscCall(PetscObjectTypeCompare((PetscObject)self->leg.ts, TSVBDF, &vbdf));
   PetscCall(PetscObjectTypeCompare((PetscObject)adapt, TSADAPTNONE, &fixed));
-  UserCheck(vbdf && !fixed, OptionsComm(),
-            "-born: ends a step, and with -ts_type or -ts_adapt_type none steps end elsewhere; take "
-            "these out");
+  UserCheck(
+      vbdf && !fixed, OptionsComm(),
+      "-born: ends a step, and with -ts_type or -ts_adapt_type none steps end elsewhere; take "
+      "these out");
   PetscFunctionReturn(0);
 }
 
@@ -585,8 +586,8 @@ static PetscErrorCode StoreShape(Run *self, PetscReal t, Vec U) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
     if (U) PetscCall(RodPartOpenRead(self->leg.rod, k, U, &part));
-    PetscCall((SceneToCome(self->scene[k], t) ? GrowNoShape : GrowStoreShape)(&self->each[k], t,
-                                                                              part));
+    PetscCall(
+        (SceneToCome(self->scene[k], t) ? GrowNoShape : GrowStoreShape)(&self->each[k], t, part));
     if (U) PetscCall(RodPartCloseRead(self->leg.rod, k, U, &part));
   }
   self->stored_shape = t;
