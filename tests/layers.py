@@ -18,7 +18,7 @@ ROOMS = ["base", "curve", "material", "world", "scene", "straight", "rod", "syst
 STRANGERS = {("material", "world"), ("world", "material")}  # a rod's own, and what is around all rods
 # header: who may include it
 KEPT = {r"petsc/private/": {"stepping/vbdf.c", "stepping/controller.c", "rod/rod.c", "rod/coupled.c", "system/model.c"},
-        r"hdf5\.h": {"base/hdf.c"},
+        r"hdf5\.h": {"base/hdf_library.h"},
         r"slepc": {"straight/", "tasks/stability.c", "tasks/critical.c", "tasks/bent.c", "tasks/program.c", "library/process.c"}}
 
 LAW = {"TS", "SNES", "KSP", "PC", "EPS", "ST", "Mat"}  # classes of PETSc and SLEPc that a law does not name

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .live_widget import widget
     from .loading import load
     from .results import Results, Shape
+    from .root_systems import laterals, rods
     from .samples import profile, sample
     from .runs import Critical, critical, run
     from .simulation import Simulation
@@ -43,7 +44,7 @@ _HOME = {"circle": "barriers", "conduit": "barriers", "plane": "barriers", "poly
          "animate": "films", "ensemble": "ensembles", "Fit": "fitting", "fit": "fitting", "map": "maps",
          "compare": "comparison", "draw": "drawing", "Filmed": "filming", "measure": "filming", "profile": "samples",
          "sample": "samples", "view": "page", "plot": "pictures", "live": "live_server", "watch": "watching", "widget": "live_widget", "Results": "results", "Shape": "results", "load": "loading",
-         "Critical": "runs", "critical": "runs", "run": "runs", "Simulation": "simulation", "Sweep": "collection", "sweep": "sweeps",
+         "Critical": "runs", "critical": "runs", "run": "runs", "laterals": "root_systems", "rods": "root_systems", "Simulation": "simulation", "Sweep": "collection", "sweep": "sweeps",
          "End": "openings", "ends": "openings", "Surface": "surfaces", "surface": "surfaces"}
 __all__ = sorted(_HOME)
 

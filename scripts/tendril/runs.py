@@ -302,12 +302,15 @@ def named_in(scene) -> list[str]:
 
 
 def table_file(name, table, directory) -> str:
-    """A DataFrame as the table of a section [rods FILE.csv]; without a column `name` rods are called by its index, or NAME1 on."""
+    """A DataFrame as the table of a section [rods FILE.csv]; without a column `name` rods are called by its index, or NAME1 on.
+    What a rod has no value for it is not given."""
     if "name" not in table:
         own = table.index if table.index.dtype == object else [f"{name}{k + 1}" for k in range(len(table))]
         table = table.assign(name=own)
     path = Path(directory) / f"{name}.csv"
-    table.map(text_of).to_csv(path, index=False)
+    there = table.notna()
+    texts = {key: [text_of(cell) if given else "" for cell, given in zip(table[key], there[key])] for key in table}
+    type(table)(texts).to_csv(path, index=False)
     return path.name
 
 

@@ -160,7 +160,7 @@ void SpaceClampResidual(Scene scene, PetscReal t, const PetscReal u[FIELDS], Pet
 void SpaceClampBlock(Scene scene, PetscReal t, const PetscReal u[FIELDS],
                      PetscReal by[LEFT][FIELDS]);
 
-/* space_slope.c */
+/* space_matrix.c */
 PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J);
 PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination elimination);
 

@@ -57,6 +57,57 @@ class Several(unittest.TestCase):
         self.assertLess(last.force[0, 2], 0)
         self.assertAlmostEqual(np.linalg.norm(last.force) / r.series.contact_force[-1], 1, 1)
 
+    def test_traced(self):
+        """A root system drawn in pixels, and a branched line in space: rods begin with the lines' places and lengths."""
+        with tempfile.TemporaryDirectory() as directory:
+            s = np.linspace(0, 1, 60)
+            tap, points = np.c_[200 + 30 * np.sin(5 * s), 50 + 900 * s], lambda x: "".join(f'<point x="{a:.2f}" y="{b:.2f}"/>' for a, b in x)
+            side = np.c_[tap[30, 0] + 3 + 200 * s, tap[30, 1] + 120 * s**2]
+            root = lambda name, x, more="": f'<root ID="{name}"><geometry><polyline>{points(x)}</polyline></geometry>{more}</root>'
+            drawn = Path(directory) / "drawn.rsml"
+            drawn.write_text('<?xml version="1.0"?><rsml><metadata><unit>cm</unit><resolution>100</resolution></metadata><scene><plant>'
+                             f'{root("tap", tap, root("lat_1", side))}</plant></scene></rsml>')
+            for more in ({}, {"natural": False}):
+                table = tendril.rods(drawn, length="10mm", rod_cells=40, **more)
+                r = tendril.run({"growth_type": "uniform", "ts_max_time": 1e-6}, rods={"roots": table})
+                for name, line in (("tap", tap), ("lat1", side)):
+                    self.assertLess(np.abs(r[name].stored(0).x[-1, :2] - line[-1] / [100, -100]).max(), 0.015, name)
+            self.assertLess(abs(table.attrs["moved"]["lat1"] - 0.03), 0.005)
+            z = np.linspace(0, 2, 41)
+            helix = np.c_[np.cos(2 * z), np.sin(2 * z), z]
+            lines = [f"{k + 1} 0 {a:.6f} {b:.6f} {c:.6f} 0.1 {k or -1}" for k, (a, b, c) in enumerate(helix)]
+            lines += [f"{42 + k} 0 {helix[20, 0] + 0.1 * (k + 1):.6f} {helix[20, 1]:.6f} {helix[20, 2] + 0.02 * k * k:.6f} 0.05 {41 + k if k else 21}" for k in range(8)]
+            (Path(directory) / "line.swc").write_text("# a branch\n" + "\n".join(lines))
+            stem = tendril.rods(Path(directory) / "line.swc", length=1, slides=True, rod_cells=60)[:1]
+            r = tendril.run({"growth_type": "apical", "growth_zone": 0.3, "ts_max_time": 1e-6}, rods={"stem": stem})
+            self.assertLess(np.abs(r[stem.name[0]].stored(0).x[-1] - helix[-1]).max(), 2e-3)
+            table = tendril.rods(Path(directory) / "line.swc", length=1, rod_cells=60)
+            r = tendril.run({"growth_type": "uniform", "ts_max_time": 1e-6}, rods={"roots": table})
+            self.assertEqual(list(r.rods), list(table.name))
+            ends = [r[name].stored(0).x[-1] for name in r.rods]
+            self.assertLess(np.abs(ends[0] - helix[-1]).max(), 2e-3)
+            self.assertLess(np.abs(ends[1] - helix[20] - [0.8, 0, 0.98]).max(), 5e-3)
+            with self.assertRaisesRegex(tendril.TendrilError, "line 2: its parent 7 does not stand before it"):
+                (Path(directory) / "bad.swc").write_text("1 0 0 0 0 1 -1\n2 0 0 0 1 1 7\n")
+                tendril.rods(Path(directory) / "bad.swc", length=1)
+            with self.assertRaisesRegex(tendril.TendrilError, "does not say in which unit"):
+                drawn.write_text(drawn.read_text().replace("<unit>cm</unit>", ""))
+                tendril.rods(drawn)
+
+    def test_laterals(self):
+        table = tendril.laterals("tap", 3, first="4mm", apart="2.5mm", angle="65deg", delay={"born": "2h", "speed": "1mm/h"}, rod_cells=16)
+        self.assertEqual(list(table.clamp_at), ["4mm", "6.5mm", "9mm"])
+        self.assertEqual(list(table.clamp_azimuth), ["0deg", "137.5deg", "275deg"])
+        self.assertEqual((list(table.born), list(table.name)), (["2h", "4.5h", "7h"], ["tap1", "tap2", "tap3"]))
+        r = tendril.run({"growth_type": "uniform", "ts_max_time": 1e-6, "shape_type": "straight"},
+                        rods={"tap": {"growth_initial_length": 1}, "sides": tendril.laterals("tap", 2, first=0.5, apart=0.25, angle="60deg", growth_initial_length=0.1)})
+        ends = [r[f"tap{k}"].stored(0).x[-1] - r[f"tap{k}"].stored(0).x[0] for k in (1, 2)]
+        self.assertLess(abs(ends[0] @ ends[1] / 0.01 - (0.25 + 0.75 * np.cos(np.radians(137.5)))), 1e-5)
+        with self.assertRaisesRegex(tendril.TendrilError, "give both in one"):
+            tendril.laterals("tap", 3, first="4mm", apart=2, angle="65deg")
+        with self.assertRaisesRegex(tendril.TendrilError, "one for each"):
+            tendril.laterals("tap", 3, first=4, apart=2, angle="65deg", rod_curvature_seed=[1, 2])
+
     def test_joints(self):
         """Each half of a ring that is pulled at its weld bears half; the moment there is that of the curvature (shooting)."""
         r = tendril.run({"growth_type": "none", "growth_initial_length": np.pi, "friction_mu": 0, "friction_layers": "0:1e-2", "rod_cells": 24,

@@ -36,23 +36,32 @@ def steers(name, **arrays):
     return f"-rod_curvature_file {path} "
 
 
-@check(ranks=3)
-def a_straight_rod_pushed_in_and_pulled_out_bears_its_friction():
+def pushed_in_and_pulled_out(more, ranks=1):
     """A straight rod is pushed in, held and pulled out: the force of its clamp is that of friction on all of it, which
-    turns round with it, and vanishes with the speed; in the plane and in space, on ranks. Friction takes what was put
-    in: under dry friction L1^2 - L0^2 a loop."""
+    turns round with it, and vanishes with the speed."""
     t, v = [0, 1, 1.4, 2, 2.5, 3.5, 3.7], [1, 1, 0, 0, -1, -0.8, 0]
     speed = PchipInterpolator(t, v)
     path = rows("speed", t=t, speed=v)
-    for more, ranks in (("", 1), ("-rod_model space ", 1), ("", 3)):
-        r = Run(FED + f"-growth_path {path} -growth_initial_length 0.5 -friction_mu 0.7 -friction_beta 1e-2 -ts_max_time 3.7 "
-                "-ts_rtol 1e-9 " + more, ranks)
-        V, L = speed(r.t), 0.5 + speed.antiderivative()(r.t)
-        force = L * (0.7 * V / np.sqrt(V**2 + 1e-2) + 0.3 * V)
-        off = [np.abs(r.length - L).max(), np.abs(r.base_force_1 - force)[1:].max(), np.abs(r.feed_force - force)[1:].max()]
-        print(f"{more}{ranks} ranks: length off by {off[0]:.1e}, forces by {off[1]:.1e}, {off[2]:.1e}; {r.steps} steps")
-        expect(off[0] < 1e-12 and max(off[1:]) < 1e-3 and np.median(np.abs(r.base_force_1 - force)) < 1e-7, f"{more}: {off}")
-        expect(min(r.base_force_1) < -0.9 and abs(r.base_force_1[np.abs(V) < 1e-12]).max() < 1e-4, "it does not turn round")
+    r = Run(FED + f"-growth_path {path} -growth_initial_length 0.5 -friction_mu 0.7 -friction_beta 1e-2 -ts_max_time 3.7 "
+            "-ts_rtol 1e-9 " + more, ranks)
+    V, L = speed(r.t), 0.5 + speed.antiderivative()(r.t)
+    force = L * (0.7 * V / np.sqrt(V**2 + 1e-2) + 0.3 * V)
+    off = [np.abs(r.length - L).max(), np.abs(r.base_force_1 - force)[1:].max(), np.abs(r.feed_force - force)[1:].max()]
+    print(f"{more}{ranks} ranks: length off by {off[0]:.1e}, forces by {off[1]:.1e}, {off[2]:.1e}; {r.steps} steps")
+    expect(off[0] < 1e-12 and max(off[1:]) < 1e-3 and np.median(np.abs(r.base_force_1 - force)) < 1e-7, f"{more}: {off}")
+    expect(min(r.base_force_1) < -0.9 and abs(r.base_force_1[np.abs(V) < 1e-12]).max() < 1e-4, "it does not turn round")
+
+
+@check(ranks=3)
+def a_straight_rod_pushed_in_and_pulled_out_on_three_ranks_bears_its_friction():
+    pushed_in_and_pulled_out("", 3)
+
+
+@check
+def a_straight_rod_pushed_in_and_pulled_out_bears_its_friction():
+    """In the plane and in space. Friction takes what was put in: under dry friction L1^2 - L0^2 a loop."""
+    for more in ("", "-rod_model space "):
+        pushed_in_and_pulled_out(more)
     path = rows("length", t=[0, 1, 2, 3], length=[0.5, 1.5, 1.5, 0.5])
     r = Run(FED + f"-growth_path {path} -friction_beta 1e-10 -ts_max_time 3 " + EVEN)
     work = (np.diff(r.t) * (r.dissipation[1:] + r.dissipation[:-1]) / 2).sum()
@@ -156,16 +165,25 @@ def steps_end_at_kinks_of_what_steers():
     expect(np.abs(still[0].tip - still[1].tip).max() < 1e-6, "equal rows")
 
 
-@check(ranks=3)
-def a_steered_run_that_is_broken_goes_on_as_the_whole():
-    """A run that is broken goes on as the whole, to the last bit, fed by a schedule and steered; ranks agree."""
+def fed_and_let_go():
+    """Fed by a schedule and steered."""
     path = rows("back", t=[0, 1.2, 1.5, 3], length=[1, 2.2, 2.2, 1])
-    driven = BENT + let_go() + f"-growth_path {path} -friction_beta 1e-6 -output_interval 0.5 "
-    whole, three = Run(driven), Run(driven, 3)
+    return BENT + let_go() + f"-growth_path {path} -friction_beta 1e-6 -output_interval 0.5 "
+
+
+@check(ranks=3)
+def a_steered_run_on_three_ranks_is_that_on_one():
+    whole, three = (Run(fed_and_let_go(), ranks) for ranks in (1, 3))
     far = np.abs(whole.tip - three.tip).max()
     print(f"{whole.steps} steps; three ranks are off by {far:.1e}")
     expect(far < 1e-8, f"ranks: {far}")
-    for more, step in (("", whole.steps // 2), ("-rod_model space ", lambda r: int(np.searchsorted(r["series/t"], 2)))):
+
+
+@check
+def a_steered_run_that_is_broken_goes_on_as_the_whole():
+    """To the last bit."""
+    driven = fed_and_let_go()
+    for more, step in (("", lambda r: len(r["series/t"]) // 2), ("-rod_model space ", lambda r: int(np.searchsorted(r["series/t"], 2)))):
         _, differ = broken(driven + more, step)
         expect(not differ, f"{more}behind a restart: {differ}")
 

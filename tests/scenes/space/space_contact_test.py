@@ -216,15 +216,22 @@ def a_rod_that_turns_over_about_itself_is_told_at_once():
     expect(r.newton_iterations.sum() < 4000, "too many iterations")
 
 
-@check(ranks=3)
-def ranks_and_restarts_agree_in_contact_in_space():
-    """2 and 3 ranks agree; a run broken in the midst of contact goes on to the last bit."""
-    d = scene.SCRATCH
+def turned_in_a_torus():
     wall = walls("torus 0 1 0 0 0 1 1 0.2 inside friction 0.3", "cylinder 1.6 1.2 0 0 0 1 0.2 outside friction 0.2")
-    turns = Path(d) / "turns.csv"
+    turns = Path(scene.SCRATCH) / "turns.csv"
     turns.write_text("t,spin\n0,2\n1,2.5\n2,2\n")
-    options = FED + f"-rod_curvature 0.5 -clamp_path {turns} -friction_beta 0 " + wall
-    expect_on_ranks(options)
+    return FED + f"-rod_curvature 0.5 -clamp_path {turns} -friction_beta 0 " + wall
+
+
+@check(ranks=3)
+def ranks_agree_in_contact_in_space():
+    expect_on_ranks(turned_in_a_torus())
+
+
+@check
+def a_run_broken_in_the_midst_of_contact_in_space_goes_on_as_the_whole():
+    """To the last bit."""
+    options = turned_in_a_torus()
     whole, different = broken(options, lambda run: pressed(run)[len(pressed(run)) // 2])
     touches = len(pressed(whole))
     print(f"{len(whole['series/t'])} steps, {touches} in contact, different: {different}")
@@ -431,21 +438,29 @@ def a_post_of_a_thousandth_holds_the_rod_on_any_mesh():
         expect(r.contact_force[-1] > 0.1 and r.energy_defect[-1] < bound, f"{name}: {r.energy_defect[-1]}")
 
 
+def turned_past_a_thin_post():
+    return ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.5 -rod_curvature_2 0.1 "
+            "-clamp_spin 0.5 -ts_max_time 3 -contact_diameter 0.01 -rod_cells 60 -ts_rtol 1e-5 "
+            + walls("cylinder 1.5 0.4 0 0.1 0.3 1 1e-3 outside friction 0.3"))
+
+
 @check(ranks=3)
 def a_rod_turned_past_a_thin_post_rubs_alike_on_any_ranks():
-    """A rod that is turned and fed past a thin post: exact friction on one rank and on three, and a restart to the last bit; a rod
-    that lies along a wire feels it by its points alone."""
-    options = ("-growth_type feed -growth_initial_length 0.5 -shape_type straight -rod_curvature 0.5 -rod_curvature_2 0.1 "
-               "-clamp_spin 0.5 -ts_max_time 3 -contact_diameter 0.01 -rod_cells 60 -ts_rtol 1e-5 "
-               + walls("cylinder 1.5 0.4 0 0.1 0.3 1 1e-3 outside friction 0.3"))
+    """A rod that is turned and fed past a thin post, exact friction and nearly exact, on one rank and on three."""
     for more in ("", "-friction_beta 0 "):
-        one, three = Run(options + more), Run(options + more, ranks=3)
+        one, three = (Run(turned_past_a_thin_post() + more, ranks) for ranks in (1, 3))
         off = max(np.abs(tip(three) - tip(one)).max(), abs(three.contact_force[-1] / one.contact_force[-1] - 1))
-        whole, different = broken(options + more, lambda run: pressed(run)[len(pressed(run)) // 2])
-        touches = len(pressed(whole))
-        print(f"{more}: {one.steps} and {three.steps} steps, ranks differ by {off:.1e}, defect {one.energy_defect[-1]:.1e}; "
-              f"{touches} in contact, different: {different}")
+        print(f"{more}: {one.steps} and {three.steps} steps, ranks differ by {off:.1e}, defect {one.energy_defect[-1]:.1e}")
         expect(off < 1e-3 and one.energy_defect[-1] < 1e-4, f"{off}, {one.energy_defect[-1]}")
+
+
+@check
+def a_rod_turned_past_a_thin_post_is_the_same_in_restarts():
+    """To the last bit; a rod that lies along a wire feels it by its points alone."""
+    for more in ("", "-friction_beta 0 "):
+        whole, different = broken(turned_past_a_thin_post() + more, lambda run: pressed(run)[len(pressed(run)) // 2])
+        touches = len(pressed(whole))
+        print(f"{more}: {touches} in contact, different: {different}")
         expect(touches > 10 and not different, f"{touches}: {different} differ")
     r = Run("-growth_type feed -growth_initial_length 1 -ts_max_time 1 -contact_diameter 0.02 -shape_type straight -rod_cells 60 "
             "-rod_weight 0,0,-3 " + walls("cylinder 0 0 -0.0125 1 0 0 0.002 outside"))

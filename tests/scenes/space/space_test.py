@@ -324,33 +324,49 @@ def errors_have_their_orders_in_space_and_time():
         expect(abs(seen - order) < 0.6, f"order {order} in time: {seen}")
 
 
+STICKS = BENT + "-friction_beta 0 -friction_radius 0.1 -rod_weight 0,0,-0.2 -ts_max_time 1 -output_interval 0.5 "
+
+
 @check(ranks=2)
-def ranks_and_restarts_agree_in_space():
-    """Ranks agree, in what they tell of their errors, too; a run that was broken goes on as if it had not been, exact
-    friction and all."""
-    options = BENT + ("-friction_beta 0 -friction_radius 0.1 -rod_weight 0,0,-0.2 -ts_max_time 1 "
-                      "-output_interval 0.5 ")
-    one = Run(options)
+def ranks_agree_in_space():
+    """In what they tell of their errors, too."""
+    one = Run(STICKS)
     for ranks in (2, 3):
-        other = Run(options, ranks)
+        other = Run(STICKS, ranks)
         error = np.abs(other.shapes["x"][-1] - one.shapes["x"][-1]).max()
         print(f"{ranks} ranks: {error:.1e}")
         expect(error < 1e-8, f"{ranks} ranks: {error}")
     told = [Run(TWISTED + "-ts_max_time 0.3 -rod_cells 24", ranks).estimate for ranks in (1, 2, 3)]
     print("errors told", *told)
     expect(all(abs(other / told[0] - 1) < 0.02 for other in told), "another estimate on ranks")
-    whole, different = broken(options, 60)
+
+
+@check
+def a_run_in_space_that_was_broken_goes_on_as_the_whole():
+    """As if it had not been, exact friction and all."""
+    whole, different = broken(STICKS, 60)
     expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
 
 
+HINGED = "-growth_type none -growth_initial_length 1 -clamp_type hinged -tip_type pinned -friction_mu 0 "
+SPUN_HINGED = HINGED + "-shape_amplitude 1 -shape_turn 0.3 -rod_curvature 2 -rod_bend_ratio 1.5 -clamp_spin 1 -ts_max_time 1 -rod_cells 20 "
+
+
 @check(ranks=2)
+def a_hinged_rod_that_is_spun_is_the_same_on_two_ranks():
+    one, two = (Run(SPUN_HINGED, ranks) for ranks in (1, 2))
+    off = np.abs(one.shapes["x"][-1] - two.shapes["x"][-1]).max()
+    print(f"spun: 2 ranks {off:.1e}")
+    expect(off < 1e-8, f"spun: {off}")
+
+
+@check
 def a_hinged_rod_buckles_as_greenhill_says():
     """A rod between two hinges rests as an elastica does, in both models. Twisted by M it bears the thrust
     pi^2 - M^2/4, and a pull beyond M = 2 pi (Greenhill), but for the square of its bow. A curved one that
-    is spun there keeps its energy, is the same on two ranks and goes on as if it had not been broken."""
+    is spun there keeps its energy and goes on as if it had not been broken."""
     from scipy.optimize import brentq
     from scipy.special import ellipe, ellipk
-    rests = "-growth_type none -growth_initial_length 1 -clamp_type hinged -tip_type pinned -friction_mu 0 "
 
     def thrust(r):
         chord = r.shapes["x"][-1, -1]
@@ -360,7 +376,7 @@ def a_hinged_rod_buckles_as_greenhill_says():
     for model in ("frame", "space"):
         errors = []
         for cells in (10, 20):
-            r = Run(rests + f"-shape_amplitude 2 -rod_model {model} -rod_cells {cells} -ts_max_time 2")
+            r = Run(HINGED + f"-shape_amplitude 2 -rod_model {model} -rod_cells {cells} -ts_max_time 2")
             P, D = thrust(r) if model == "space" else (np.hypot(r.base_force_1[-1], r.base_force_2[-1]), np.hypot(*r.tip))
             k = brentq(lambda k: 2 * ellipe(k * k) / ellipk(k * k) - 1 - D, 1e-6, 0.95)
             errors.append(abs(P / (4 * ellipk(k * k) ** 2) - 1))
@@ -368,17 +384,15 @@ def a_hinged_rod_buckles_as_greenhill_says():
         expect(errors[1] < 4e-6 and errors[0] / errors[1] > 13, f"elastica, {model}: {errors}")
         expect(r.energy_defect[-1] < 2e-4, f"elastica, {model}: defect {r.energy_defect[-1]}")
     for M in (2, 5, 8):
-        coarse, fine = (thrust(Run(f"{rests} -tip_torque {M} -shape_amplitude {eps} -rod_cells 40 -ts_max_time 3 -ts_rtol 1e-8"))[0]
+        coarse, fine = (thrust(Run(f"{HINGED} -tip_torque {M} -shape_amplitude {eps} -rod_cells 40 -ts_max_time 3 -ts_rtol 1e-8"))[0]
                         for eps in (0.04, 0.02))
         off = (4 * fine - coarse) / 3 - (np.pi ** 2 - M ** 2 / 4)
         print(f"twisted by {M}: thrust {fine:.6f}, extrapolated to no bow off by {off:.1e}")
         expect(abs(off) < 1e-5, f"twisted by {M}: {off}")
-    spun = rests + ("-shape_amplitude 1 -shape_turn 0.3 -rod_curvature 2 -rod_bend_ratio 1.5 -clamp_spin 1 -ts_max_time 1 -rod_cells 20 ")
-    one, two = Run(spun), Run(spun, 2)
-    off = np.abs(one.shapes["x"][-1] - two.shapes["x"][-1]).max()
-    print(f"spun: defect {one.energy_defect[-1]:.1e}, 2 ranks {off:.1e}")
-    expect(one.energy_defect[-1] < 2e-5 and off < 1e-8, f"spun: {one.energy_defect[-1]}, {off}")
-    whole, different = broken(spun, 60)
+    whole, different = broken(SPUN_HINGED, 60)
+    defect = whole["series/energy_defect"][-1]
+    print(f"spun: defect {defect:.1e}")
+    expect(defect < 2e-5, f"spun: {defect}")
     expect(len(whole["series/t"]) > 65 and not different, f"{different} differ")
 
 
