@@ -17,6 +17,8 @@ static PetscErrorCode Check(Tendril self, const char *name) {
 */
 PetscErrorCode SimulationChange(Tendril self, const char *name, const char *value) {
   PetscFunctionBegin;
+  UserCheck(self->grow, self->comm, "%s: several rods are not changed in a run in this version",
+            name);
   PetscCall(Check(self, name));
   PetscCall(GrowApply(self->grow, name, value, self->at));
   PetscCall(ChangesDo(&self->scene->changes, self->at, name, value));

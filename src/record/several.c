@@ -329,6 +329,15 @@ static PetscErrorCode WriteErrors(const Several *self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
+/* Of which rod what has ended the run was, which that has written. */
+static PetscErrorCode WriteEventRod(const Several *self, HdfFile file) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++)
+    if (self->each[k]->event.kind)
+      PetscCall(HdfText(file, "/event", "rod", RodsName(self->rods, k)));
+  PetscFunctionReturn(0);
+}
+
 static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, PetscBool finished) {
   char *text;
 
@@ -347,6 +356,7 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
   PetscCall(WritePairs(self, file));
   PetscCall(WriteAbout(self, file, t));
   PetscCall(WriteErrors(self, file));
+  PetscCall(WriteEventRod(self, file));
   PetscCall(self->keep(self->ctx, file));
   PetscFunctionReturn(0);
 }
@@ -402,6 +412,39 @@ PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished) {
   PetscCall(PetscTime(&self->stored_at));
   self->cost = self->stored_at - begin;
   PetscFunctionReturn(0);
+}
+
+/* SeveralSave - likewise, into another file; nothing changes for what comes after. */
+PetscErrorCode SeveralSave(Several *self, const char *path, PetscReal t, PetscBool finished) {
+  char fault[HDF_FAULT] = "";
+  HdfFile file;
+
+  PetscFunctionBegin;
+  PetscCall(OutputRefuseTaken("save", path));
+  PetscCall(HdfCreate(path, &file));
+  PetscCall(WriteAll(self, file, t, finished));
+  PetscCall(HdfClose(&file, fault));
+  UserCheck(!fault[0], OptionsComm(),
+            "save %s: cannot be written: %s; make room, or name a file elsewhere", path, fault);
+  PetscFunctionReturn(0);
+}
+
+/* SeveralDropShape - forgets the shapes that were stored last. */
+void SeveralDropShape(Several *self) {
+  for (PetscInt k = 0; k < self->n; k++) OutputDropShape(self->each[k]);
+  if (!self->shapes) return;
+  self->shapes--;
+  self->places = self->shapes ? self->until[self->shapes - 1] : 0;
+}
+
+/* SeveralHas - is this series one of all rods, too? */
+PetscBool SeveralHas(const Several *self, PetscInt observed) {
+  return (PetscBool)(OfAll(observed) != NONE && Holds(self, observed));
+}
+
+/* SeveralSum - a number of all rods, from that of each; NaN of those that have none. */
+PetscReal SeveralSum(const Several *self, PetscInt observed, const PetscReal of_each[]) {
+  return Together(OfAll(observed), self->n, of_each);
 }
 
 /* ---- going on ---- */

@@ -95,12 +95,12 @@ void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
   const PetscReal *w = learned->w + at * 2;
   PetscReal *row = learned->w_row + at * 2;
 
-  row[2 + V] =
-      w[2 + V] - w[V] -
-      h * (frame->end_weight * (SlopeOfV(rod, law[AT_A].s, law[AT_A].g, From2(a->at.q), a->n) +
-                                SlopeOfV(rod, law[AT_B].s, law[AT_B].g, From2(b->at.q), b->n)) +
-           frame->mid_weight *
-               SlopeOfV(rod, law[AT_MID].s, law[AT_MID].g, From2(mid->at.q), mid->n));
+  row[2 + V] = w[2 + V] - w[V] -
+               h * (frame->end_weight *
+                        (SlopeOfV(rod, law[AT_A].s, law[AT_A].g, From2(a->at.axes[0]), a->n) +
+                         SlopeOfV(rod, law[AT_B].s, law[AT_B].g, From2(b->at.axes[0]), b->n)) +
+                    frame->mid_weight * SlopeOfV(rod, law[AT_MID].s, law[AT_MID].g,
+                                                 From2(mid->at.axes[0]), mid->n));
   row[L] = w[2 + L] - w[L];
 }
 
@@ -111,14 +111,14 @@ void FrameYieldEnds(Rod rod, PetscInt i, const Point *p) {
   const PetscReal *w = learned->w + at * 2;
 
   if (i == 0)
-    learned->w_row[at * 2 + V] =
-        w[V] - GrowthYieldInflow(rod->scene->growth) * Yields(rod, From2(p->at.q), p->n, NULL);
+    learned->w_row[at * 2 + V] = w[V] - GrowthYieldInflow(rod->scene->growth) *
+                                            Yields(rod, From2(p->at.axes[0]), p->n, NULL);
   if (i == rod->last) learned->w_row[at * 2 + L] = learned->w_t[at * 2 + L] - w[V];
 }
 
 /* FrameYieldBegin - the equation of V at the clamp by its node. */
 void FrameYieldBegin(Rod rod, const Point *p, PetscReal by[ALL]) {
-  const Vector2 q = From2(p->at.q);
+  const Vector2 q = From2(p->at.axes[0]);
   PetscReal slope;
 
   memset(by, 0, ALL * sizeof(*by));
@@ -146,7 +146,7 @@ typedef struct {
 static void Vary(const Rod rod, const Law *law, const Point *p, const LoadSlope *slope,
                  const Change *d, PetscReal df[OF_L]) {
   const Load *load = &rod->scene->load;
-  const Vector2 q = From2(p->at.q), n = From2(p->n), dq = Times2(d->theta, Left2(q));
+  const Vector2 q = From2(p->at.axes[0]), n = From2(p->n), dq = Times2(d->theta, Left2(q));
   const PetscReal g = law->g;
   PetscReal by_length, by_force;
   const PetscReal w = GrowthYieldWeight(rod->scene->growth, law->s, g, &by_length),
@@ -191,7 +191,7 @@ static void VaryFeet(const YieldCell *cell, int e, Column *of) {
 static void AddFeet(const Frame *frame, const YieldCell *cell, const Column *of,
                     PetscReal equations[ALL]) {
   const Law *law = &cell->law[AT_MID];
-  const Vector2 q = From2(cell->at[AT_MID]->at.q), turn = From2(cell->load[FOOT_KINK]);
+  const Vector2 q = From2(cell->at[AT_MID]->at.axes[0]), turn = From2(cell->load[FOOT_KINK]);
   const PetscReal kink = PetscSqr(cell->h * law->g) * law->flex;
 
   Add2(Times2(-cell->h * frame->end_weight, Plus2(of->feet[AT_A], of->feet[AT_B])), equations + N1);
@@ -202,7 +202,7 @@ static void AddFeet(const Frame *frame, const YieldCell *cell, const Column *of,
 static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unknown, Column *of) {
   const Law *law = cell->law + 2 * e, *mid_law = cell->law + AT_MID;
   const Point *p = cell->at[2 * e], *mid = cell->at[AT_MID];
-  const Vector2 q = From2(p->at.q), perp = Left2(q), q_mid = From2(mid->at.q);
+  const Vector2 q = From2(p->at.axes[0]), perp = Left2(q), q_mid = From2(mid->at.axes[0]);
   const PetscReal *shift = cell->shift[e], k = e ? -cell->bow : cell->bow;
   PetscReal turn, rate, slide, mid_slide;
   Vector2 dq, x_t, w;

@@ -29,8 +29,8 @@
 static void Kink(const Cell *cell, PetscReal K[4]) {
   const Point *p = cell->mid;
   const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[AT_MID].g),
-                  turn[3] = {0, -f * cell->law[AT_MID].flex[1] * Dot3(w, p->d[2]),
-                             f * cell->law[AT_MID].flex[2] * Dot3(w, p->d[1])};
+                  turn[3] = {0, -f * cell->law[AT_MID].flex[1] * Dot3(w, p->at.axes[2]),
+                             f * cell->law[AT_MID].flex[2] * Dot3(w, p->at.axes[1])};
 
   QuaternionTurn(p->p, turn, K);
   for (int i = 0; i < 4; i++) K[i] /= 2;

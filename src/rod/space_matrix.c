@@ -26,12 +26,12 @@ ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
   for (int c = 0; c < RUBS; c++)
     for (int j = 0; j < 4; j++) dW[c] += turn[c][j] * by_bend[P + j];
   if (cell->cubic) /* the spin's slope there has - g u_k d_k.d1_t */
-    dW[SPIN] -= cell->load->arm * k * cell->law[2 * e].g * Dot3(p->d[bend ? 1 : 2], p->d1_t);
+    dW[SPIN] -= cell->load->arm * k * cell->law[2 * e].g * Dot3(p->at.axes[bend ? 1 : 2], p->d1_t);
   for (int i = 0; i < 3; i++)
     for (int c = 0; c < RUBS; c++) {
       column[N + i] -= wg * mid->load.W[i][c] * dW[c];
       if (cell->load->arm > 0 && !cell->split)
-        column[M + i] -= wg * cell->mid->d[0][i] * mid->load.W[SPIN][c] * dW[c];
+        column[M + i] -= wg * cell->mid->at.axes[0][i] * mid->load.W[SPIN][c] * dW[c];
     }
   if (cell->feet.n) {
     PetscReal by_p[4][4], by_w[4][3];
@@ -104,7 +104,7 @@ static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
                        .mid_weight = cell->h * self->mid_weight,
                        .bow = cell->h * self->bow,
                        .g = cell->law[AT_MID].g};
-  memcpy(kept->q, cell->mid->d[0], sizeof(kept->q));
+  memcpy(kept->q, cell->mid->at.axes[0], sizeof(kept->q));
   for (int i = 0; i < 4; i++) memcpy(kept->p_m[i], &mid->f[P + i][M], sizeof(kept->p_m[i]));
 }
 
@@ -241,7 +241,7 @@ static void Arms(const Point *point, WideArms *arms) {
     for (int j = 0; j < 4; j++) arms->way[i][P + j] = f * turn[i][j];
     arms->way[3 + i][X + i] = 1;
     arms->moment[i] = point->m[i] / 2;
-    arms->twist += point->m[i] / 2 * point->d[0][i];
+    arms->twist += point->m[i] / 2 * point->at.axes[0][i];
   }
 }
 
@@ -260,8 +260,8 @@ static PetscErrorCode BeginSprings(Rod rod, PetscReal t, const Point *first,
   for (int i = 0; i < 3; i++) {
     if (is_free) gives[X + i][3 + i] = rod_rule.spring_softer * PetscPowReal(length, 3);
     for (int j = 0; j < 3; j++) {
-      PetscReal part = is_free ? first->d[0][i] * first->d[0][j] : 0;
-      for (int k = 1; k < 3; k++) part += first->d[k][i] * first->d[k][j];
+      PetscReal part = is_free ? first->at.axes[0][i] * first->at.axes[0][j] : 0;
+      for (int k = 1; k < 3; k++) part += first->at.axes[k][i] * first->at.axes[k][j];
       for (int k = 0; k < 4; k++)
         gives[P + k][j] += rod_rule.spring_softer * length * turn[i][k] / 2 * part;
     }

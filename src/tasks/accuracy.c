@@ -40,6 +40,7 @@ static const PetscReal of_strands = 3;
 /* Of a rod that is fed and whose material learns its bend what has learned ends at a front within a
    cell, which is of second order: of 22 random scenes 8 were above it, with this all. */
 static const PetscReal of_front = 5;
+static const PetscReal least_rtol = 1e-13;
 static const PetscReal margin = 1.5, by_weight = 3; /* of the estimate after a run */
 
 typedef struct {
@@ -158,7 +159,7 @@ PetscErrorCode AccuracyTolerance(void) {
   if (!set) PetscFunctionReturn(0);
   time = share_of_time * asked.tolerance / (per_fold * (asked.mixed ? 2 : 1) * Folds(&asked));
   PetscCall(OptionDefault("-ts_rtol", "%.3g",
-                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
+                          PetscMax(least_rtol, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
   PetscFunctionReturn(0);
 }
 
@@ -198,25 +199,33 @@ void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
   }
 }
 
-/* What gives a part the share that is left to it of an accuracy. */
+/* AccuracyMissing - what gives each part of an error the share that is left to it of an accuracy,
+   by a method of that order. */
+AccuracyNeeds AccuracyMissing(const Errors *error, PetscReal asked, PetscInt order) {
+  const PetscReal share = 0.4 * asked, *part = error->part;
+
+  return (AccuracyNeeds){
+      .cells = PetscPowReal(PetscMax(1, part[ESTIMATE_SPACE] / share), 1. / order),
+      .steps = PetscPowReal(PetscMax(1, part[ESTIMATE_TIME] / share), 7. / 6),
+      .stiffness = PetscPowReal(PetscMax(1, part[ESTIMATE_SOFT] / share), 4. / 3)};
+}
+
+/* What to give to be as accurate as that. */
 static PetscErrorCode Advise(const Errors *error, PetscReal asked, PetscReal rtol, Rod rod,
                              char advice[], size_t room) {
-  const PetscReal share = 0.4, cells = rod->scene->mesh.cells, least = 1e-13;
-  PetscReal space = error->part[ESTIMATE_SPACE] / (share * asked),
-            time = error->part[ESTIMATE_TIME] / (share * asked),
-            soft = error->part[ESTIMATE_SOFT] / (share * asked);
+  const AccuracyNeeds needs = AccuracyMissing(error, asked, rod->order);
   char by_cells[48] = "", by_steps[48] = "", stiffer[48] = "";
 
   PetscFunctionBegin;
-  if (space > 1)
+  if (needs.cells > 1)
     (void)snprintf(by_cells, sizeof(by_cells), " -rod_cells %.0f",
-                   (double)PetscCeilReal(cells * PetscPowReal(space, 1. / rod->order)));
-  if (time > 1)
+                   (double)PetscCeilReal(rod->scene->mesh.cells * needs.cells));
+  if (needs.steps > 1)
     (void)snprintf(by_steps, sizeof(by_steps), " -ts_rtol %.1e",
-                   (double)PetscMax(least, rtol * PetscPowReal(time, -7. / 6)));
-  if (soft > 1)
+                   (double)PetscMax(least_rtol, rtol / needs.steps));
+  if (needs.stiffness > 1)
     (void)snprintf(stiffer, sizeof(stiffer), " -contact_stiffness %.1e",
-                   (double)(rod->scene->contact.stiffness * PetscPowReal(soft, 4. / 3)));
+                   (double)(rod->scene->contact.stiffness * needs.stiffness));
   if (by_cells[0] || by_steps[0] || stiffer[0])
     (void)snprintf(advice, room, "; give%s%s%s", by_cells, by_steps, stiffer);
   else

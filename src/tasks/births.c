@@ -37,7 +37,7 @@ PetscErrorCode RunBirths(Run *self, PetscReal t) {
   self->bears = PETSC_FALSE;
   for (PetscInt k = 0; k < self->n; k++) {
     if (!self->to_come[k] || SceneToCome(self->scene[k], t)) continue;
-    PetscCall(BirthPlace(self->leg.rod, self->joints, k, t, self->leg.U));
+    PetscCall(BirthPlace(self->leg.rod, self->joints, k, t, self->U));
     self->bears = PETSC_TRUE;
   }
   if (!self->bears) PetscFunctionReturn(0);

@@ -284,8 +284,9 @@ PetscErrorCode GrowAfterStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* One step of a TS that solves already, as TSSolve() takes it: that would limit it once more. */
-static PetscErrorCode StepOn(TS ts) {
+/* GrowStepOnce - one step of a TS that solves already, as TSSolve() takes it: that would limit it
+   once more. */
+PetscErrorCode GrowStepOnce(TS ts) {
   PetscReal t;
   PetscInt steps;
   Vec U;
@@ -359,7 +360,7 @@ PetscErrorCode GrowStep(Grow *self, PetscReal until) {
   } else if (self->enters)
     PetscCall(TSSolve(ts, self->now->U));
   else
-    PetscCall(StepOn(ts));
+    PetscCall(GrowStepOnce(ts));
   if (!self->waits) PetscCall(AfterSolve(self));
   PetscFunctionReturn(0);
 }

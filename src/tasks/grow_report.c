@@ -285,7 +285,7 @@ static PetscErrorCode TellErrors(const Grow *self, PetscInt snaps) {
 }
 
 /* What was to end the run and did not. */
-static PetscErrorCode TellNotReached(const Grow *self) {
+static PetscErrorCode TellNotReached(const Grow *self, const char *rod) {
   MPI_Comm comm = self->scene->comm;
   const Watch *watch = &self->watch;
   char text[2][64];
@@ -296,8 +296,9 @@ static PetscErrorCode TellNotReached(const Grow *self) {
     OptionBoth(self->seen.t, UNIT_TIME, text[0]);
     OptionBoth(watch->bound[k], k == EVENT_ANGLE || k == EVENT_STALL ? UNIT_NONE : UNIT_LENGTH,
                text[1]);
-    PetscCall(PetscPrintf(comm, "not reached by t = %s: -stop_%s%s%s\n", text[0], event_name[k],
-                          k == EVENT_CONTACT ? "" : " ", k == EVENT_CONTACT ? "" : text[1]));
+    PetscCall(PetscPrintf(comm, "%snot reached by t = %s: -stop_%s%s%s\n", rod, text[0],
+                          event_name[k], k == EVENT_CONTACT ? "" : " ",
+                          k == EVENT_CONTACT ? "" : text[1]));
   }
   PetscFunctionReturn(0);
 }
@@ -320,7 +321,7 @@ static PetscErrorCode TellClamp(const Grow *self) {
 }
 
 /* Where on the rod an event was, or what it reached. */
-static PetscErrorCode TellEvent(Grow *self) {
+static PetscErrorCode TellEvent(const Grow *self, const char *rod) {
   MPI_Comm comm = self->scene->comm;
   const Event *event = &self->event;
   char text[4][64];
@@ -335,7 +336,7 @@ static PetscErrorCode TellEvent(Grow *self) {
              : event->kind == EVENT_FORCE ? UNIT_FORCE
                                           : UNIT_NONE,
              text[3]);
-  PetscCall(PetscPrintf(comm, "stopped at t = %s: ", text[0]));
+  PetscCall(PetscPrintf(comm, "%sstopped at t = %s: ", rod, text[0]));
   if (event->kind == EVENT_LENGTH)
     PetscCall(PetscPrintf(comm, "length %s\n", text[3]));
   else if (event->kind == EVENT_CONTACT && event->s[1] < 0)
@@ -346,6 +347,8 @@ static PetscErrorCode TellEvent(Grow *self) {
     PetscCall(PetscPrintf(comm, "growth slowed down to %s of its speed without force\n", text[3]));
   else if (event->kind == EVENT_ANGLE)
     PetscCall(PetscPrintf(comm, "an angle of %s at s = %s\n", text[3], text[1]));
+  else if (*rod)
+    PetscCall(PetscPrintf(comm, "touches a rod at s = %s\n", text[1]));
   else
     PetscCall(PetscPrintf(comm, "touches itself at s = %s and %s\n", text[1], text[2]));
   PetscFunctionReturn(0);
@@ -471,6 +474,16 @@ static PetscErrorCode TellStall(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* GrowTellEvents - what has ended the run, or was to and has not.
+
+   rod  "NAME: " of several; "": there is one */
+PetscErrorCode GrowTellEvents(const Grow *self, const char *rod) {
+  PetscFunctionBegin;
+  PetscCall(TellEvent(self, rod));
+  PetscCall(TellNotReached(self, rod));
+  PetscFunctionReturn(0);
+}
+
 /* GrowSummary - the last words on a run. Collective. */
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
@@ -504,8 +517,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellStraight(self));
   PetscCall(TellContact(self));
   PetscCall(TellStall(self));
-  PetscCall(TellEvent(self));
-  PetscCall(TellNotReached(self));
+  PetscCall(GrowTellEvents(self, ""));
   if (!OutputStores(self->output))
     PetscCall(PetscPrintf(self->scene->comm, "nothing is stored; -output FILE keeps the result\n"));
   PetscFunctionReturn(0);

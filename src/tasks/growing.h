@@ -102,6 +102,7 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t);
 PetscErrorCode GrowStore(Grow *self, PetscBool finished);
 PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U);
 PetscErrorCode GrowAfterStep(TS ts);
+PetscErrorCode GrowStepOnce(TS ts);
 PetscErrorCode GrowStep(Grow *self, PetscReal until);
 PetscErrorCode GrowWithin(Grow *self, PetscReal t, Vec V[2], PetscReal *begin);
 PetscErrorCode GrowSettle(Grow *self, PetscReal t);
@@ -149,6 +150,7 @@ PetscBool GrowPaceDue(Pace *pace, PetscReal start, PetscReal t, PetscReal end, P
                       char left[32]);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
 PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]);
+PetscErrorCode GrowTellEvents(const Grow *self, const char *rod);
 PetscErrorCode GrowSummary(Grow *self);
 
 /* grow_sensitivity.c */
