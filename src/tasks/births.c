@@ -61,29 +61,27 @@ static PetscErrorCode Unseen(Grow *grow, PetscReal t) {
 
 /* What is observed of it at its birth. It is at rest, for how fast its carrier moves it is not
    known before the step behind; its energy is summed up from there. */
-static PetscErrorCode Born(Grow *grow, PetscReal t) {
+static PetscErrorCode Born(Grow *grow, PetscReal t, Vec U) {
   PetscFunctionBegin;
-  PetscCall(
-      ObserverMeasure(grow->observer, grow->now->rod, t, grow->now->U, NULL, NULL, &grow->seen));
+  PetscCall(ObserverMeasure(grow->observer, grow->now->rod, t, U, NULL, NULL, &grow->seen));
   grow->seen.step = grow->seen.newton_iterations = 0;
   grow->seen.model = (PetscReal)grow->model;
   PetscCall(OutputSeries(grow->output, &grow->seen));
   PetscFunctionReturn(0);
 }
 
-/* RunLookAt - looks at one of the rods; begins: as it begins. */
-PetscErrorCode RunLookAt(Run *self, PetscInt k, PetscReal t, PetscBool begins) {
+/* RunLookAt - looks at one of the rods, in its own state; U NULL: as it begins. */
+PetscErrorCode RunLookAt(Run *self, PetscInt k, PetscReal t, Vec U, Vec U_t) {
   Grow *grow = &self->each[k];
-  const Leg *leg = grow->now;
 
   PetscFunctionBegin;
   PetscCall(LegPartFollow(grow->now));
   if (SceneToCome(self->scene[k], t))
     PetscCall(Unseen(grow, t));
   else if (self->to_come[k])
-    PetscCall(Born(grow, t));
+    PetscCall(Born(grow, t, U));
   else
-    PetscCall(GrowObserve(grow, t, begins ? NULL : leg->U, begins ? NULL : leg->newton.latest.U_t));
+    PetscCall(GrowObserve(grow, t, U, U_t));
   self->to_come[k] = SceneToCome(self->scene[k], t);
   PetscFunctionReturn(0);
 }
