@@ -484,6 +484,7 @@ PetscErrorCode JointsDouble(Joints self, Rods rods, PetscInt k, PetscBool placed
   for (PetscInt j = 0; j < self->n; j++) {
     if (self->joint[j].carrier != k) continue;
     PetscCall(RodsEnter(rods, self->joint[j].rod));
+    PetscCall(OptionsSetScales(scene->si.scale)); /* of all; the rod's own scene is still to come */
     PetscCall(FindPlace(&self->joint[j], RodsName(rods, k), scene));
     PetscCall(RodsLeave(rods));
   }

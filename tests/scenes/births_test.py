@@ -174,6 +174,8 @@ REFUSED = [  # (lines of a scene, what is said)
     ("[rod a]\n[rod b]\n-clamp_on a\n-clamp_type hinged\n-born 1\n", "line 4, rod b: -clamp_type hinged: not of a rod that is born"),
     ("[rod a]\n[rod b]\n-clamp_place 0,0.5,0\n-tip_on a\n-born 1\n", "line 5, rod b: -born: not where a tip is held"),
     ("[rod a]\n-tip_type pinned\n-born 1\n-shape_amplitude 0.1\n", "line 3, rod a: -born: not of a rod whose tip is held or led"),
+    ("-si_bending_stiffness 5e-7\n-si_friction_dry 2N/m\n-si_speed 1mm/h\n[rod a]\n-growth_initial_length 1cm\n[rod b]\n-clamp_on a\n-born 2h\n"
+     "-clamp_at 30mm\n", "line 9, rod b: -clamp_at 30mm: rod a is 1.904881262 (1.2 cm) long then"),
     ("[rod a]\n[rod b]\n-born soon\n", "line 3, rod b: -born soon"),
     ("-ts_adapt_type none\n[rod a]\n[rod b]\n-clamp_place 0,1,0\n-born 1\n", "-born: ends a step"),
 ]
