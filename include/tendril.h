@@ -115,7 +115,7 @@ TENDRIL_API int TendrilSetLaw(Tendril simulation, const char *kind, TendrilLaw l
 TENDRIL_API int TendrilSetWatch(Tendril simulation, TendrilWatch watch, void *ctx);
 
 /* TendrilSetUp - reads and checks all options, and places the rod as it begins. After an error
-   options can be set anew, and it be tried again. The first step does it if nobody has. */
+   options can be set again, and it be tried again. The first step does it if nobody has. */
 TENDRIL_API int TendrilSetUp(Tendril simulation);
 
 /* TendrilStep - goes on to the end of the next accepted step. t: the time there; may be NULL. */
@@ -154,6 +154,9 @@ TENDRIL_API int TendrilSeries(Tendril simulation, const char *name, int *n, cons
    all, or the largest. */
 TENDRIL_API int TendrilRodSeries(Tendril simulation, int rod, const char *name, int *n,
                                  const double **values);
+
+/* TendrilRodSeriesName - the name of the k-th series that a rod has; NULL: there are no more. */
+TENDRIL_API const char *TendrilRodSeriesName(Tendril simulation, int rod, int k);
 
 /* TendrilRods - how many rods it has; 0 before TendrilSetUp(). */
 TENDRIL_API int TendrilRods(Tendril simulation, int *n);

@@ -96,7 +96,7 @@ MUTATIONS = [
     ("highest order 5", *rule(S, "highest_order", "6", "5")),
     ("kicked, never", *rule(S, "wall_onset", "1e-4", "0")),
     ("kicked, soon", *rule(S, "wall_onset", "1e-4", "0.1")),
-    ("kick, never over", L, "if (t >= of->kick_ends) of->kick[f] = 0;", ""),
+    ("kick, never over", L, "if (t >= of->onset_ends) of->onset[f] = 0;", ""),
     ("longer than it is", L, "Reach(rod->model, of->tried) <= step_rule.reach_slack * length);", "1);"),
     ("guard, none", L, "PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));", ""),
     ("first guess at rest", L, "PetscCall(RodGrowNodes(rod, t0, t1, nodes));", ""),
@@ -171,7 +171,8 @@ MUTATIONS = [
     ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
     # -- what is changed in a run
     ("errors followed in the scene of before", "tasks/grow_changes.c", "PetscCall(EstimateSceneChanged(self->estimate));", ";"),
-    ("looked up where it was", "scene/change.c", "PetscCall(SurfacesIndexAnew(surfaces));", ";"),
+    ("looked up where it was", "scene/change.c", "asked->t, by, x));\n  PetscCall(SurfacesIndexAnew(surfaces));",
+     "asked->t, by, x));"),
     # -- what is steered, or fed by a schedule
     ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
     ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t += rate + at_t * slope;", "if (k_t) *k_t += at_t * slope;"),

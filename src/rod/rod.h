@@ -138,7 +138,7 @@ typedef struct {
   PetscErrorCode (*turned)(Rod, Vec U0, Vec U1, PetscBool *turned);
   /* what Newton's method remembers from step to step: value k, of as many as the rod's memory says,
      at an owned node i or one beside these; NULL: nothing there. And all of it has been taken back:
-     what depends on it is looked at anew; NULL: nothing does */
+     what depends on it is looked at again; NULL: nothing does */
   PetscReal *(*remembered)(Rod, PetscInt i, PetscInt k);
   PetscErrorCode (*recalled)(Rod);
   /* what changes of the fields are measured against, from their sizes; NULL: these */
@@ -224,7 +224,7 @@ PetscErrorCode RodHoldTip(Rod rod);
 const char *RodRefusesSpace(Scene scene);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
-/* No state is the one that was seen last: it is looked at anew. */
+/* No state is the one that was seen last: it is looked at again. */
 static inline void RodForget(RodSeen *seen) {
   seen->t = PETSC_MIN_REAL;
 }

@@ -16,7 +16,7 @@ static const OptionRow rows[] = {
     ROW_REAL("-born", "0", 0, 1e9, UNIT_TIME, 0,
              "of one of several rods: it comes out then, and its growth counts time from there"),
     ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run"),
-    ROW_TEXT("-change_file", INPUT_FILE | OF_SCENE,
+    ROW_TEXT("-change_file", INPUT_FILE,
              "text file of what changes in the run, one a line: the time, what, and its new value, "
              "as in 2.5 tip_force 0.2 (docs/live.md)")};
 const OptionGroup scene_options = OPTION_GROUP_OF_ROD("Rod and clamp", rows);

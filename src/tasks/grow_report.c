@@ -95,7 +95,7 @@ PetscErrorCode GrowPaceBegin(Pace *self) {
 }
 
 /* GrowPaceDue - is a line of progress due: every tenth of the run, and every second, and where it
-   is over? left: the time that is left, where that can be told. */
+   is over? left: the time that is left, where that can be reported. */
 PetscBool GrowPaceDue(Pace *self, PetscReal start, PetscReal t, PetscReal end, PetscBool last,
                       char left[32]) {
   PetscLogDouble now;
@@ -164,7 +164,8 @@ static const char *Deep(const Grow *self, PetscReal length, char text[], size_t 
   return text;
 }
 
-/* What there is of contact. How far off it holds a rod that it presses in nowhere is told, too. */
+/* What there is of contact. How far off it holds a rod that it presses in nowhere is reported, too.
+ */
 static PetscErrorCode TellContact(const Grow *self) {
   const Contact *contact = &self->scene->contact;
   char deep[160], off[160], held[192] = "";

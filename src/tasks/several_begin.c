@@ -12,8 +12,6 @@ static PetscErrorCode CheckRod(const Scene scene) {
             "curvature that the material learns in this version; take them out");
   UserCheck(scene->born == 0 || scene->tip.type == TIP_FREE, OptionsComm(),
             "-born: not of a rod whose tip is held or led; leave it or -tip_type, -tip_path out");
-  UserCheck(!scene->changes, OptionsComm(),
-            "-change_file: several rods are not changed in a run in this version; take it out");
   PetscFunctionReturn(0);
 }
 
@@ -210,6 +208,7 @@ PetscErrorCode RunBegin(Run *self) {
   PetscCall(PetscCalloc4(self->n, &self->scene, self->n, &self->each, self->n, &self->output,
                          self->n, &self->to_come));
   PetscCall(MakeLeg(self));
+  PetscCall(RunTakeChanges(self));
   self->leg.owner = self;
   self->enters = PETSC_TRUE;
   self->U = self->leg.U;

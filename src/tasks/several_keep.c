@@ -48,7 +48,8 @@ PetscErrorCode RunKeep(void *ctx, HdfFile file) {
   }
   PetscCall(KeepEach(self, own, errors));
   PetscCall(RestartKeep(&self->leg, self->t, self->leg.U, &state, points));
-  if (self->bears) state.points = state.order = 1; /* as RunBirths() has it */
+  if (self->bears || self->each[0].kept.changed)
+    state.points = state.order = 1; /* steps begin anew */
   PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
   PetscCall(TSGetStepRejections(self->leg.ts, &rejected));
   state.counted[0] = self->counted[0] + iterations;
@@ -71,7 +72,7 @@ static void DropEvents(OptionWords *words) {
 }
 
 /* RunReadRestart - reads it, and the rods of the file, which count unless the scene is given
-   anew. */
+   again. */
 PetscErrorCode RunReadRestart(Run *self) {
   char fault[WORDS_FAULT] = "", *text;
   PetscBool begun, stopped;
@@ -145,8 +146,8 @@ static PetscErrorCode GoOnEach(Run *self, PetscInt k, Vec all[]) {
   grow->now->ease.times = PetscMin(state->ease, grow->now->ease.most);
   grow->now->ease.wants = PetscMin(state->wants, grow->now->ease.most);
   grow->now->ease.others = state->others;
-  PetscCall(PetscArraycpy(of->kick, state->kick, RESTART_KICKS));
-  of->kick_ends = state->kick_ends;
+  PetscCall(PetscArraycpy(of->onset, state->kick, RESTART_KICKS));
+  of->onset_ends = state->kick_ends;
   PetscFunctionReturn(0);
 }
 
