@@ -1,7 +1,6 @@
 /* Rods that come out in a run of several: what is seen of them before and at their births, and what
    these do to the run. */
 #include "system/births.h"
-#include "tasks/grow_rules.h"
 #include "tasks/several_run.h"
 
 /* RunAnyBorn - is any rod to come out in the run? Then all are looked at together. */
@@ -28,11 +27,10 @@ PetscErrorCode RunCheckSteps(const Run *self) {
   PetscFunctionReturn(0);
 }
 
-/* RunBirths - rods whose time has come are there from now on. All go on from there as from a
-   change: steps begin anew, short. */
+/* RunBirths - rods whose time has come are there from now on. All go on from that one point, in
+   steps that the error allows: in shorter ones what places are off by, within the tolerance, would
+   be put right at a speed without measure. */
 PetscErrorCode RunBirths(Run *self, PetscReal t) {
-  PetscReal step;
-
   PetscFunctionBegin;
   self->bears = PETSC_FALSE;
   for (PetscInt k = 0; k < self->n; k++) {
@@ -43,8 +41,6 @@ PetscErrorCode RunBirths(Run *self, PetscReal t) {
   if (!self->bears) PetscFunctionReturn(0);
   for (PetscInt k = 0; k < self->n; k++) self->each[k].kept.changed = PETSC_TRUE;
   PetscCall(VBDFBeginAnew(self->leg.ts));
-  PetscCall(TSGetTimeStep(self->leg.ts, &step));
-  PetscCall(TSSetTimeStep(self->leg.ts, PetscMin(step, grow_rule.again_step * self->end)));
   PetscFunctionReturn(0);
 }
 
