@@ -149,6 +149,10 @@ MUTATIONS = [
     ("what nothing holds may not jump", C, "self->unheld && ts", "0 && ts"),
     ("the last step, of a run that goes on", C, "PetscMin(left, end - ts->ptime)", "left"),
     ("contact never gets firm", "rod/ask.c", "    if (ContactGetsFirm(contact, deepest)) *firm = PETSC_TRUE;", "    (void)deepest;"),
+    # -- growth that feels force, in space
+    ("space yields, slide between nodes", "rod/space_yield.c", "mid_V = {.c = 0.5}", "mid_V = {.c = 0}"),
+    ("space yields, V from there", "rod/space_yield.c", "J[r][f] += slid.equations[r] * k * slope;", ";"),
+    ("space yields, bends turn V'", "rod/space_yield.c", "-of->wm * Times(FIELDS, along_mid, learned->by_bend[e][b])", "0"),
     # -- what snaps and sticking need of friction
     ("next to exact, never", "scene/scene.c", "if (self->growth->rests || self->growth->yield > 0) LoadNextToExact(&self->load);", ""),
     ("told from rest, nothing", "world/load.c", "if (load->limit) load->friction.beta = PetscMax", "if (0) load->friction.beta = PetscMax"),

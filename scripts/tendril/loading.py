@@ -226,8 +226,9 @@ def load_rods(path, attributes, groups, series, shapes, about) -> Several:
         check_series(one.series)
         check_shapes(one.shapes, "joints" in groups)
         check_attributes(path, one.attributes)
-    return Several(path, finished, options, attributes, series, shapes, units=about[0], notes=about[1], rods=rods, born=born, names=names,
-                   first={name: int(k) for name, k in zip(names, groups["rods"]["first"])},
+    others = {name: group for name, group in groups.items() if name not in ("rods", "pairs", "joints")}
+    return Several(path, finished, options, attributes, series, shapes, groups=others, units=about[0], notes=about[1], rods=rods,
+                   born=born, names=names, first={name: int(k) for name, k in zip(names, groups["rods"]["first"])},
                    touching=groups.get("pairs", Table()), joined=groups.get("joints", Table()))
 
 

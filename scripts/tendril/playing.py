@@ -83,6 +83,8 @@ def taken(file) -> dict[str, str]:
     """The options of an options file, those of files it names in their place."""
     found = {}
     for row in rows_of(file):
+        if row[0].startswith("["):
+            raise TendrilError(f"{file}: {' '.join(row)}: live shows one rod; several go step by step in tendril.Simulation")
         name, value = row[0].lstrip("-"), (row[1] if len(row) > 1 else "true").strip("'\"")
         beside = Path(file).resolve().parent / value
         if name in FILES or name == "options_file":

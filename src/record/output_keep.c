@@ -144,6 +144,27 @@ static PetscErrorCode RowsUpTo(Output self, PetscReal t, const Observation *last
   PetscFunctionReturn(0);
 }
 
+/* OutputCut - leaves out what is later than t, until OutputUncut().
+
+   last  a row more; NULL: none */
+PetscErrorCode OutputCut(Output self, PetscReal t, const Observation *last, struct _Output *kept) {
+  Observation *rows;
+
+  PetscFunctionBegin;
+  *kept = *self;
+  PetscCall(RowsUpTo(self, t, last, &rows, &self->series_n));
+  self->series = rows;
+  self->shapes_n = self->times_n = OutputCountUpTo(self->times_n, self->times, t);
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode OutputUncut(Output self, const struct _Output *kept) {
+  PetscFunctionBegin;
+  PetscCall(PetscFree(self->series));
+  *self = *kept;
+  PetscFunctionReturn(0);
+}
+
 /*
   OutputSave - writes all that is kept in memory, up to a time, into a file; nothing changes for
   what comes after. Collective.
@@ -156,22 +177,18 @@ static PetscErrorCode RowsUpTo(Output self, PetscReal t, const Observation *last
 PetscErrorCode OutputSave(Output self, const char *path, PetscReal t, const Observation *last,
                           Rod rod, RestartState *state, Vec points[], Vec errors[],
                           PetscBool finished) {
-  struct _Output kept = *self;
+  struct _Output kept;
   PetscErrorCode error;
-  Observation *rows;
   PetscMPIInt rank;
 
   PetscFunctionBegin;
   PetscCall(OutputRefuseTaken("save", path));
   PetscCallMPI(MPI_Comm_rank(self->comm, &rank));
-  PetscCall(RowsUpTo(self, t, last, &rows, &self->series_n));
-  self->series = rows;
-  self->shapes_n = self->times_n = OutputCountUpTo(self->times_n, self->times, t);
+  PetscCall(OutputCut(self, t, last, &kept));
   self->mine = (PetscBool)!rank;
   PetscCall(PetscStrncpy(self->path, path, sizeof(self->path)));
   error = OutputStore(self, rod, state, points, errors, finished);
-  *self = kept;
-  PetscCall(PetscFree(rows));
+  PetscCall(OutputUncut(self, &kept));
   PetscCall(error);
   PetscFunctionReturn(0);
 }

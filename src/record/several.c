@@ -451,19 +451,44 @@ PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished) {
   PetscFunctionReturn(0);
 }
 
-/* SeveralSave - likewise, into another file; nothing changes for what comes after. */
-PetscErrorCode SeveralSave(Several *self, const char *path, PetscReal t, PetscBool finished) {
+static PetscErrorCode Save(const Several *self, const char *path, PetscReal t, PetscBool finished) {
   char fault[HDF_FAULT] = "";
   HdfFile file;
 
   PetscFunctionBegin;
-  PetscCall(OutputRefuseTaken("save", path));
   PetscCall(HdfCreate(path, &file));
   PetscCall(WriteAll(self, file, t, finished));
   PetscCall(HdfClose(&file, fault));
   UserCheck(!fault[0], OptionsComm(),
             "save %s: cannot be written: %s; make room, or name a file elsewhere", path, fault);
   PetscCall(Describe(self, path));
+  PetscFunctionReturn(0);
+}
+
+/* SeveralSave - all there is up to time t, in another file; nothing changes for what comes after.
+
+   last  a row more of the series of each, [rods]; NULL: none */
+PetscErrorCode SeveralSave(Several *self, const char *path, PetscReal t,
+                           const Observation *const last[], PetscBool finished) {
+  const PetscInt shapes = self->shapes, places = self->places;
+  PetscErrorCode error;
+  struct _Output *kept;
+
+  PetscFunctionBegin;
+  PetscCall(OutputRefuseTaken("save", path));
+  PetscCall(PetscMalloc1(self->n, &kept));
+  for (PetscInt k = 0; k < self->n; k++)
+    PetscCall(OutputCut(self->each[k], t, last ? last[k] : NULL, &kept[k]));
+  if (shapes) {
+    self->shapes = self->each[0]->shapes_n;
+    self->places = self->shapes ? self->until[self->shapes - 1] : 0;
+  }
+  error = Save(self, path, t, finished);
+  self->shapes = shapes;
+  self->places = places;
+  for (PetscInt k = 0; k < self->n; k++) PetscCall(OutputUncut(self->each[k], &kept[k]));
+  PetscCall(PetscFree(kept));
+  PetscCall(error);
   PetscFunctionReturn(0);
 }
 

@@ -37,7 +37,8 @@ PetscErrorCode SeveralTouch(Several *self, PetscInt n, const StrandPlace place[]
 PetscErrorCode SeveralBegin(Several *self);
 PetscBool SeveralDue(const Several *self);
 PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished);
-PetscErrorCode SeveralSave(Several *self, const char *path, PetscReal t, PetscBool finished);
+PetscErrorCode SeveralSave(Several *self, const char *path, PetscReal t,
+                           const Observation *const last[], PetscBool finished);
 void SeveralDropShape(Several *self);
 PetscBool SeveralHas(const Several *self, PetscInt observed);
 PetscReal SeveralSum(const Several *self, PetscInt observed, const PetscReal of_each[]);

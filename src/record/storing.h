@@ -53,6 +53,8 @@ PetscErrorCode OutputRefuseTaken(const char *option, const char *path);
 PetscErrorCode OutputRoom(Output output, PetscInt n);
 
 /* output_run.c: into a file that is open, on rank 0 */
+PetscErrorCode OutputCut(Output output, PetscReal t, const Observation *last, struct _Output *kept);
+PetscErrorCode OutputUncut(Output output, const struct _Output *kept);
 PetscErrorCode OutputWriteRun(Output output, HdfFile file, PetscReal t);
 
 #endif

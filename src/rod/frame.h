@@ -82,7 +82,6 @@ void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
                         const Point *b);
 void FrameYieldEnds(Rod rod, PetscInt i, const Point *p);
 void FrameYieldBegin(Rod rod, const Point *p, PetscReal by[YIELD_FIELDS]);
-void FrameYieldEnd(const PetscReal shift[], PetscReal by[YIELD_FIELDS]);
 void FrameYieldCell(Rod rod, const YieldCell *cell, PetscReal left[YIELD_FIELDS][YIELD_FIELDS],
                     PetscReal right[YIELD_FIELDS][YIELD_FIELDS], LearnedCell *learned);
 

@@ -11,7 +11,7 @@
 #include <petscdmda.h>
 #include <stddef.h>
 
-enum { MAX_FIELDS = 21 };
+enum { MAX_FIELDS = 23 };
 
 /* The mirrors of a rod that is nearly straight: x2 -> -x2 and, in space, x3 -> -x3. Fields fall
    into groups by the mirrors in which they change sign, as do their equations: on the straight rod
@@ -201,7 +201,8 @@ extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_sp
 /* the same, whose material learns its natural curvature; that also remembers what it senses */
 extern const RodModel rod_frame_learns, rod_frame_remembers, rod_space_learns, rod_space_remembers;
 /* ... and whose growth feels the force along it */
-extern const RodModel rod_frame_yields, rod_frame_yields_remembers;
+extern const RodModel rod_frame_yields, rod_frame_yields_remembers, rod_space_yields,
+    rod_space_yields_remembers;
 extern const OptionGroup frame_options;
 
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);

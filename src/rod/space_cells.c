@@ -175,6 +175,10 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   Space_ *self = (Space_ *)rod->data;
 
   PetscFunctionBegin;
+  if (self->yields) {
+    self->time = PETSC_MIN_REAL; /* laws are those of the state */
+    PetscCall(SpaceYieldSee(rod, at->t, at->U));
+  }
   PetscCall(LawsAt(rod, at->t));
   PetscCall(SceneContactAt(rod->scene, at->t));
   cell->rod = rod;
@@ -193,6 +197,7 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->s = rod->scene->mesh.s;
   if (rod->learned) {
     PetscCall(SpaceLearnedOpen(rod, at));
+    if (self->yields) SpaceYieldLaws(rod);
     cell->u = (const PetscReal(*)[FIELDS])rod->learned->u + 1 - rod->first;
     cell->u_t = (const PetscReal(*)[FIELDS])rod->learned->u_t + 1 - rod->first;
   } else {

@@ -11,6 +11,8 @@
 #include "rod/spin.h"
 
 enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
+/* ... and of a rod whose growth feels force (space_yield.c). */
+enum { OF_V = FIELDS, OF_L, YIELD_FIELDS };
 
 /* What the laws give at a point; flex = 1/S. */
 typedef struct {
@@ -38,6 +40,7 @@ typedef struct {
   FrictionDual *foot_dual; /* of cells, likewise: of their feet, WALL_SLOTS each; NULL: none */
   PetscBool *split; /* of cells, from that before node first on, in this Newton solve; NULL: none */
   StrandRows strands; /* NULL: the rod does not touch itself */
+  PetscBool yields;   /* its growth feels force */
 } Space_;
 
 /* A walk along the cells that touch owned nodes. */
@@ -179,6 +182,15 @@ void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid)
 void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const PetscReal (*u_p)[4],
                        const PetscReal (*u_m)[3], LearnedSlope *slope);
 void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4]);
+void SpaceLearnedDrives(Rod rod, PetscInt i, const Point *p, const Point *mid);
+
+/* space_yield.c */
+PetscErrorCode SpaceYieldSee(Rod rod, PetscReal t, Vec U);
+void SpaceYieldLaws(Rod rod);
+void SpaceYieldResidual(const Cell *cell, PetscInt i);
+void SpaceYieldEnds(Rod rod, PetscInt i, const Point *p);
+PetscErrorCode SpaceYieldJacobian(Rod rod, const RodState *at, Mat J);
+PetscErrorCode SpaceYieldEliminate(Rod rod, const RodState *at, Elimination elimination);
 
 /* space_defect.c */
 PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);

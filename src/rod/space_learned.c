@@ -87,12 +87,21 @@ void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid)
   const PetscInt place = 2 * (i - rod->first + 1);
   LearnedPoint point;
 
+  SpaceLearnedDrives(rod, i, p, mid);
+  if (mid || !rod->learned->at_tip) return;
+  SeePoint(rod, place, p, &point);
+  LearnedSignalResidual(rod, point.sensed);
+}
+
+/* SpaceLearnedDrives - what drives the states of node i, which is p, and of the middle of the cell
+   behind it; NULL: not of that. */
+void SpaceLearnedDrives(Rod rod, PetscInt i, const Point *p, const Point *mid) {
+  const PetscInt place = 2 * (i - rod->first + 1);
+  LearnedPoint point;
+
   SeePoint(rod, place, p, &point);
   LearnedResidual(rod, place, &point);
-  if (!mid) {
-    if (rod->learned->at_tip) LearnedSignalResidual(rod, point.sensed);
-    return;
-  }
+  if (!mid) return;
   SeePoint(rod, place + 1, mid, &point);
   LearnedResidual(rod, place + 1, &point);
 }

@@ -7,7 +7,7 @@
 /* A cell's equations by the bend learned at one of its ends: that turns p' there, and so p in the
    middle by k times that. e: the end, a (0) or b (1); turn: SpaceMidTurns(). */
 ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
-                            PetscReal turn[RUBS][4], PetscReal column[FIELDS],
+                            PetscReal turn[RUBS][FIELDS], PetscReal column[FIELDS],
                             PetscReal by_bend[FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscReal k = (e ? -1 : 1) * self->bow * cell->h, we = cell->h * self->end_weight,
@@ -24,7 +24,7 @@ ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
   for (int r = 0; r < (LoadPlaced(cell->load) ? FIELDS : N); r++)
     for (int j = 0; j < 4; j++) column[r] -= wm * mid->f[r][P + j] * by_bend[P + j];
   for (int c = 0; c < RUBS; c++)
-    for (int j = 0; j < 4; j++) dW[c] += turn[c][j] * by_bend[P + j];
+    for (int j = 0; j < 4; j++) dW[c] += turn[c][P + j] * by_bend[P + j];
   if (cell->cubic) /* the spin's slope there has - g u_k d_k.d1_t */
     dW[SPIN] -= cell->load->arm * k * cell->law[2 * e].g * Dot3(p->at.axes[bend ? 1 : 2], p->d1_t);
   for (int i = 0; i < 3; i++)
@@ -41,16 +41,16 @@ ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
   }
 }
 
-/* What the material of cell i has learned, for learned.h; slopes at its nodes where they are asked
-   for. */
-WIDE_VECTORS static void LearnedOf(const Cell *cell, PetscInt i, const Slopes *slopes,
+/* SpaceLearnedCell - what the material of cell i has learned, for learned.h; slopes at its nodes
+   where they are asked for. */
+WIDE_VECTORS void SpaceLearnedCell(const Cell *cell, PetscInt i, const Slopes *slopes,
                                    PetscBool at_a, PetscBool at_b, LearnedCell *learned) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscInt place = 2 * (i - cell->rod->first + 1);
   const PetscBool asked[3] = {at_a, PETSC_TRUE, at_b};
   const Point *at[3] = {cell->a, cell->mid, cell->b};
   const Slope *slope[3] = {&slopes->a, &slopes->mid, &slopes->b};
-  PetscReal turn[RUBS][4];
+  PetscReal turn[RUBS][FIELDS];
 
   SpaceMidTurns(cell, &slopes->mid, turn);
   for (int k = 0; k < 3; k++)
@@ -81,7 +81,7 @@ static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscR
                      PetscReal right[FIELDS][FIELDS]) {
   LearnedCell learned;
 
-  LearnedOf(cell, i, slopes, first, PETSC_TRUE, &learned);
+  SpaceLearnedCell(cell, i, slopes, first, PETSC_TRUE, &learned);
   if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[AT_A], NULL, shift);
   LearnedNodeSlope(cell->rod, i + 1, &learned.slope[AT_B], NULL, shift);
   LearnedCondense(cell->rod, i, &learned, shift, left[0], right[0]);
@@ -141,7 +141,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     SpaceCellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
-    LearnedOf(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
+    SpaceLearnedCell(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
     LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     if (i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[AT_MID]);
@@ -183,7 +183,7 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
 
   PetscFunctionBegin;
   if (rod->learned) {
-    PetscCall(LearnedJacobian(rod, at, J));
+    PetscCall(self->yields ? SpaceYieldJacobian(rod, at, J) : LearnedJacobian(rod, at, J));
     PetscFunctionReturn(0);
   }
   PetscCall(SpaceCellsOpen(rod, at, &cell));
@@ -284,6 +284,10 @@ PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination eliminati
   Cell cell;
 
   PetscFunctionBegin;
+  if (((const Space_ *)rod->data)->yields && !at->counts) {
+    PetscCall(SpaceYieldEliminate(rod, at, elimination));
+    PetscFunctionReturn(0);
+  }
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   WideBegin(line);
   if (gives_way && rod->first == 0) PetscCall(BeginSprings(rod, at->t, cell.b, gives));

@@ -396,13 +396,11 @@ void SpaceTipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[]
                SpaceTipDual(rod), by);
 }
 
-/* How W in the middle of a cell changes with p there, as it is turned. */
-void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][4]) {
-  PetscReal by[RUBS][FIELDS] = {{0}};
-
+/* How W in the middle of a cell changes with p there, as it is turned, and by its spin with m. */
+void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][FIELDS]) {
+  memset(turn, 0, RUBS * sizeof(*turn));
   if (cell->cubic)
-    SlideSlope(cell->load, &cell->law[1], mid, by);
+    SlideSlope(cell->load, &cell->law[1], mid, turn);
   else
-    TurnSlope(cell->load, &cell->law[1], cell->mid, mid, by);
-  for (int c = 0; c < RUBS; c++) memcpy(turn[c], by[c] + P, sizeof(turn[c]));
+    TurnSlope(cell->load, &cell->law[1], cell->mid, mid, turn);
 }

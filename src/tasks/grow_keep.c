@@ -72,26 +72,44 @@ static PetscErrorCode LookWithin(Grow *self, PetscReal t, Vec U, Vec U_t,
   PetscFunctionReturn(0);
 }
 
+/*
+  GrowKeepWithin - what the run needs to go on from a time within its latest step. Collective.
+
+  V        the state there and its rate
+  begin    of that step
+  balance  of energy, as that began; NULL: it is there
+  errors   as of GrowKeep()
+*/
+PetscErrorCode GrowKeepWithin(Grow *self, PetscReal t, const Vec V[2], PetscReal begin,
+                              const PetscReal balance[BALANCE_STATE], RestartState *state,
+                              Vec errors[]) {
+  Vec points[VBDF_POINTS];
+
+  PetscFunctionBegin;
+  PetscCall(KeepRun(self, state));
+  PetscCall(KeepErrors(self, state, errors));
+  PetscCall(RestartKeep(self->now, t, self->now->U, state, points));
+  FromOnePoint(self, t, state);
+  PetscCall(LookWithin(self, t, V[0], V[1], balance, state));
+  state->seen.error_tip = self->seen.error_tip;
+  state->seen.error_norm_x2 = self->seen.error_norm_x2;
+  state->seen.error_energy = self->seen.error_energy;
+  state->seen.step = t - begin;
+  state->seen.model = self->now - self->leg;
+  PetscFunctionReturn(0);
+}
+
 /* The run at a time within its latest step, where its balance of energy was as that began; NULL: it
    is there. */
 static PetscErrorCode KeepWithin(Grow *self, PetscReal t, const PetscReal balance[BALANCE_STATE],
                                  Mark *mark) {
-  Vec points[VBDF_POINTS], V[2];
   PetscReal begin;
+  Vec V[2];
 
   PetscFunctionBegin;
-  PetscCall(KeepRun(self, &mark->state));
-  PetscCall(KeepErrors(self, &mark->state, mark->errors));
-  PetscCall(RestartKeep(self->now, t, self->now->U, &mark->state, points));
-  FromOnePoint(self, t, &mark->state);
   PetscCall(GrowWithin(self, t, V, &begin));
+  PetscCall(GrowKeepWithin(self, t, V, begin, balance, &mark->state, mark->errors));
   mark->U = V[0];
-  PetscCall(LookWithin(self, t, V[0], V[1], balance, &mark->state));
-  mark->state.seen.error_tip = self->seen.error_tip;
-  mark->state.seen.error_norm_x2 = self->seen.error_norm_x2;
-  mark->state.seen.error_energy = self->seen.error_energy;
-  mark->state.seen.step = t - begin;
-  mark->state.seen.model = self->now - self->leg;
   PetscCall(VecDestroy(&V[1]));
   PetscFunctionReturn(0);
 }

@@ -75,6 +75,9 @@ extern const RodModel *const grow_models[MODELS];
 
 /* grow_keep.c */
 PetscErrorCode GrowKeep(Grow *self, RestartState *state, Vec points[], Vec errors[]);
+PetscErrorCode GrowKeepWithin(Grow *self, PetscReal t, const Vec V[2], PetscReal begin,
+                              const PetscReal balance[BALANCE_STATE], RestartState *state,
+                              Vec errors[]);
 PetscErrorCode GrowMark(Grow *self, PetscReal t);
 PetscErrorCode GrowMarksDestroy(Grow *self);
 PetscErrorCode GrowSave(Grow *self, const char *path, PetscReal t, PetscReal now);

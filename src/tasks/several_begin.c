@@ -7,6 +7,9 @@
 /* Refuses what several rods together cannot yet. */
 static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionBegin;
+  UserCheck(scene->growth->yield == 0, OptionsComm(),
+            "-growth_yield: several rods do not feel force as they grow in this version; take it "
+            "out");
   UserCheck(!scene->tropism.any, OptionsComm(),
             "-tropism_ options and -growth_ironing: several rods do not know of a natural "
             "curvature that the material learns in this version; take them out");
@@ -259,6 +262,7 @@ PetscErrorCode RunEnd(Run *self) {
     PetscCall(LegPartEnd(&self->each[k].leg[SPACE]));
   }
   for (int i = 0; i < 2; i++) PetscCall(VecDestroy(&self->here[i]));
+  PetscCall(RunMarksEnd(self));
   PetscCall(EstimateDestroy(&self->estimate));
   PetscCall(LegDestroy(&self->leg));
   for (int i = 0; i < 2; i++) PetscCall(StrandsDestroy(&self->strands[i]));

@@ -1,6 +1,7 @@
 /* -task grow of several rods: what a run needs to go on. */
 #include "tasks/several_run.h"
 #include "rod/ask.h"
+#include "tasks/grow_rules.h"
 
 /* The errors of one rod, which are followed, as its part of those of all; back: taken from there.
  */
@@ -17,48 +18,130 @@ static PetscErrorCode CopyErrors(const Run *self, PetscInt k, Vec all[], Vec own
   PetscFunctionReturn(0);
 }
 
+/* A rod's errors, as its part of those of all. */
+static PetscErrorCode TakeErrors(Run *self, PetscInt k, Vec own[], Vec all[]) {
+  PetscFunctionBegin;
+  if (!self->each[k].estimate) PetscFunctionReturn(0);
+  PetscCall(CopyErrors(self, k, all, own, PETSC_FALSE));
+  PetscCall(EstimateVectorsDestroy(self->each[k].estimate, own));
+  PetscFunctionReturn(0);
+}
+
 /* Of each rod, and its errors. */
-static PetscErrorCode KeepEach(Run *self, RestartState own[], Vec all[]) {
+static PetscErrorCode KeepEach(Run *self, RunMark *mark) {
   Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
     PetscCall(LegPartFollow(self->each[k].now));
-    PetscCall(GrowKeep(&self->each[k], &own[k], points, errors));
-    if (!self->each[k].estimate) continue;
-    PetscCall(CopyErrors(self, k, all, errors, PETSC_FALSE));
-    PetscCall(EstimateVectorsDestroy(self->each[k].estimate, errors));
+    PetscCall(GrowKeep(&self->each[k], &mark->own[k], points, errors));
+    PetscCall(TakeErrors(self, k, errors, mark->errors));
   }
+  PetscFunctionReturn(0);
+}
+
+/* ... at a time within the latest step, where all are in the state V. */
+static PetscErrorCode KeepEachWithin(Run *self, PetscReal t, Vec V[2], PetscReal begin,
+                                     RunMark *mark) {
+  Vec errors[ESTIMATE_KEPT], part[2];
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) {
+    Grow *grow = &self->each[k];
+    for (int i = 0; i < 2; i++) PetscCall(RodPartOpenRead(self->leg.rod, k, V[i], &part[i]));
+    PetscCall(GrowKeepWithin(grow, t, part, begin, t < self->t ? grow->balance : NULL,
+                             &mark->own[k], errors));
+    for (int i = 1; i >= 0; i--) PetscCall(RodPartCloseRead(self->leg.rod, k, V[i], &part[i]));
+    PetscCall(TakeErrors(self, k, errors, mark->errors));
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Room for a mark; the caller ends it with RunMarkEnd(). */
+static PetscErrorCode NewMark(Run *self, RunMark *mark) {
+  PetscFunctionBegin;
+  *mark = (RunMark){.state = {.model = SPACE}};
+  PetscCall(PetscMalloc1(self->n, &mark->own));
+  for (int i = 0; i < ESTIMATE_KEPT; i++) {
+    PetscCall(VecDuplicate(self->leg.U, &mark->errors[i]));
+    PetscCall(VecZeroEntries(mark->errors[i]));
+  }
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RunMarkEnd(RunMark *mark) {
+  PetscFunctionBegin;
+  for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDestroy(&mark->errors[i]));
+  PetscCall(VecDestroy(&mark->U));
+  PetscCall(PetscFree(mark->own));
+  PetscFunctionReturn(0);
+}
+
+/* What is counted of all. */
+static PetscErrorCode Count(Run *self, RestartState *state) {
+  PetscInt iterations, rejected;
+
+  PetscFunctionBegin;
+  PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
+  PetscCall(TSGetStepRejections(self->leg.ts, &rejected));
+  state->counted[0] = self->counted[0] + iterations;
+  state->counted[1] = self->counted[1] + rejected;
+  state->kept.snaps = self->snaps;
+  PetscFunctionReturn(0);
+}
+
+/*
+  RunMarkAt - keeps what a run by steps needs to go on from a time in its latest step, or in the one
+  that waits: the state alone, from which short steps go on. The caller ends it with RunMarkEnd().
+*/
+PetscErrorCode RunMarkAt(Run *self, PetscReal t, RunMark *mark) {
+  Vec points[VBDF_POINTS], V[2];
+  PetscReal begin = self->t;
+
+  PetscFunctionBegin;
+  PetscCall(NewMark(self, mark));
+  if (t <= self->t) begin -= self->each[0].seen.step;
+  PetscCall(RunWithin(self, t, V));
+  PetscCall(KeepEachWithin(self, t, V, begin, mark));
+  PetscCall(RestartKeep(&self->leg, t, self->leg.U, &mark->state, points));
+  mark->state.t = t;
+  mark->state.time[0] = 0;
+  mark->state.points = mark->state.order = 1;
+  mark->state.step = grow_rule.again_step * self->end;
+  PetscCall(Count(self, &mark->state));
+  mark->U = V[0];
+  PetscCall(VecDestroy(&V[1]));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode WriteMark(Run *self, HdfFile file, RunMark *mark, Vec points[]) {
+  PetscFunctionBegin;
+  PetscCall(
+      RestartWrite(file, self->leg.rod->scene, self->leg.rod, &mark->state, points, mark->errors));
+  PetscCall(RememberedWriteEach(file, self->n, mark->own));
   PetscFunctionReturn(0);
 }
 
 /* RunKeep - keeps it in a file that is being written: of a Several. */
 PetscErrorCode RunKeep(void *ctx, HdfFile file) {
   Run *self = (Run *)ctx;
-  Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
-  RestartState state = {.model = SPACE}, *own;
-  PetscInt iterations, rejected;
+  Vec points[VBDF_POINTS];
+  RunMark now;
 
   PetscFunctionBegin;
-  if (self->t == 0) PetscFunctionReturn(0);
-  PetscCall(PetscMalloc1(self->n, &own));
-  for (int i = 0; i < ESTIMATE_KEPT; i++) {
-    PetscCall(VecDuplicate(self->leg.U, &errors[i]));
-    PetscCall(VecZeroEntries(errors[i]));
+  if (self->saved) {
+    PetscCall(WriteMark(self, file, self->saved, &self->saved->U));
+    PetscFunctionReturn(0);
   }
-  PetscCall(KeepEach(self, own, errors));
-  PetscCall(RestartKeep(&self->leg, self->t, self->leg.U, &state, points));
+  if (self->t == 0) PetscFunctionReturn(0);
+  PetscCall(NewMark(self, &now));
+  PetscCall(KeepEach(self, &now));
+  PetscCall(RestartKeep(&self->leg, self->t, self->leg.U, &now.state, points));
   if (self->bears || self->each[0].kept.changed)
-    state.points = state.order = 1; /* steps begin anew */
-  PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
-  PetscCall(TSGetStepRejections(self->leg.ts, &rejected));
-  state.counted[0] = self->counted[0] + iterations;
-  state.counted[1] = self->counted[1] + rejected;
-  state.kept.snaps = self->snaps;
-  PetscCall(RestartWrite(file, self->leg.rod->scene, self->leg.rod, &state, points, errors));
-  PetscCall(RememberedWriteEach(file, self->n, own));
-  for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDestroy(&errors[i]));
-  PetscCall(PetscFree(own));
+    now.state.points = now.state.order = 1; /* steps begin anew */
+  PetscCall(Count(self, &now.state));
+  PetscCall(WriteMark(self, file, &now, points));
+  PetscCall(RunMarkEnd(&now));
   PetscFunctionReturn(0);
 }
 

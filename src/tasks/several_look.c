@@ -90,6 +90,7 @@ PetscErrorCode RunStoreDue(Run *self, PetscReal t) {
 
   PetscFunctionBegin;
   for (; self->next_output <= t * (1 + 1e-14); self->next_output += self->interval) {
+    PetscCall(RunMarkShape(self, self->next_output));
     if (self->next_output >= t * (1 - 1e-12)) {
       PetscCall(RunStoreShape(self, t, self->U));
       continue;

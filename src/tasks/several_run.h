@@ -5,6 +5,13 @@
 #include "record/several.h"
 #include "tasks/growing.h"
 
+/* What a run needs to go on from a time. */
+typedef struct {
+  RestartState state; /* of all, */
+  RestartState *own;  /* and of each */
+  Vec U, errors[ESTIMATE_KEPT];
+} RunMark;
+
 /* A rod that is run again, finer: what it has, and what is given and stays. */
 typedef struct {
   PetscInt cells;
@@ -37,8 +44,11 @@ typedef struct {
   PetscReal before;   /* and the error estimate of the latest of them */
   Finer *finer;       /* [n], of -accuracy; NULL: not */
   PetscBool rtol_given;
-  PetscBool by_steps;            /* a host program asks for one step after the other: RunStep() */
-  PetscReal until;               /* ... and what is beyond waits to be looked at */
+  PetscBool by_steps; /* a host program asks for one step after the other: RunStep() */
+  PetscReal until;    /* ... and what is beyond waits to be looked at */
+  PetscInt marks;
+  RunMark *mark;                 /* of a run by steps, at the times of its stored shapes */
+  RunMark *saved;                /* that which is being saved; NULL: the present state */
   PetscBool waits;               /* the step that was taken last does */
   PetscBool enters;              /* the stepper begins to solve */
   PetscBool over;                /* no step follows */
@@ -58,6 +68,8 @@ PetscErrorCode RunAfterSolve(Run *self);
 /* several_steps.c: a run by steps */
 PetscErrorCode RunStep(Run *self, PetscReal until);
 PetscErrorCode RunWithin(Run *self, PetscReal t, Vec V[2]);
+PetscErrorCode RunMarkShape(Run *self, PetscReal t);
+PetscErrorCode RunMarksEnd(Run *self);
 PetscErrorCode RunSave(Run *self, const char *path, PetscReal t, PetscReal now);
 
 /* several_events.c */
@@ -92,6 +104,8 @@ PetscErrorCode RunRefine(Run *self, PetscBool *again);
 PetscErrorCode RunStartOver(Run *self);
 
 /* several_keep.c */
+PetscErrorCode RunMarkAt(Run *self, PetscReal t, RunMark *mark);
+PetscErrorCode RunMarkEnd(RunMark *mark);
 PetscErrorCode RunKeep(void *ctx, HdfFile file);
 PetscErrorCode RunReadRestart(Run *self);
 PetscErrorCode RunCheckSame(const Run *self);

@@ -39,7 +39,25 @@ PetscErrorCode RunWithin(Run *self, PetscReal t, Vec V[2]) {
   PetscFunctionReturn(0);
 }
 
-/* The present shapes are there, too. */
+/* RunMarkShape - keeps what is needed to go on from the time of a shape that is stored. */
+PetscErrorCode RunMarkShape(Run *self, PetscReal t) {
+  PetscFunctionBegin;
+  if (!self->by_steps || !(self->each[0].seen.step > 0)) PetscFunctionReturn(0);
+  PetscCall(PetscRealloc((size_t)(self->marks + 1) * sizeof(*self->mark), &self->mark));
+  PetscCall(RunMarkAt(self, PetscMin(t, self->t), &self->mark[self->marks]));
+  self->marks++;
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RunMarksEnd(Run *self) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->marks; k++) PetscCall(RunMarkEnd(&self->mark[k]));
+  PetscCall(PetscFree(self->mark));
+  self->marks = 0;
+  PetscFunctionReturn(0);
+}
+
+/* Behind a step; the present shapes are there, too. */
 static PetscErrorCode SaveNow(Run *self, const char *path) {
   const PetscReal stored = self->stored_shape;
   PetscErrorCode error;
@@ -47,7 +65,7 @@ static PetscErrorCode SaveNow(Run *self, const char *path) {
   PetscFunctionBegin;
   if (stored != self->t) PetscCall(RunStoreShape(self, self->t, self->leg.U));
   error = SeveralSave(
-      &self->file, path, self->t,
+      &self->file, path, self->t, NULL,
       (PetscBool)(self->over && (self->reason == TS_CONVERGED_TIME || self->stopped_by >= 0)));
   if (stored != self->t) SeveralDropShape(&self->file);
   self->stored_shape = stored;
@@ -55,16 +73,67 @@ static PetscErrorCode SaveNow(Run *self, const char *path) {
   PetscFunctionReturn(0);
 }
 
+/* As of a mark. A row of the series at its time goes with it, unless there is one. */
+static PetscErrorCode SaveMark(Run *self, const char *path, RunMark *mark) {
+  const PetscReal t = mark->state.t;
+  const Observation **last, *row;
+  PetscErrorCode error;
+  PetscBool has = PETSC_FALSE;
+  PetscInt n;
+
+  PetscFunctionBegin;
+  OutputRows(self->output[0], &n, &row);
+  for (PetscInt i = 0; i < n && !has; i++)
+    has = (PetscBool)(PetscAbsReal(row[i].t - t) <= grow_rule.same_time * t);
+  PetscCall(PetscMalloc1(self->n, &last));
+  for (PetscInt k = 0; k < self->n; k++) last[k] = &mark->own[k].seen;
+  self->saved = mark;
+  error = SeveralSave(&self->file, path, t, has ? NULL : last, PETSC_FALSE);
+  self->saved = NULL;
+  PetscCall(PetscFree(last));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
+/* Within the step that waits. */
+static PetscErrorCode SaveWithin(Run *self, const char *path, PetscReal t) {
+  const PetscReal stored = self->stored_shape;
+  PetscErrorCode error;
+  RunMark mark;
+
+  PetscFunctionBegin;
+  PetscCall(RunMarkAt(self, t, &mark));
+  PetscCall(RunStoreShape(self, t, mark.U));
+  error = SaveMark(self, path, &mark);
+  SeveralDropShape(&self->file);
+  self->stored_shape = stored;
+  PetscCall(RunMarkEnd(&mark));
+  PetscCall(error);
+  PetscFunctionReturn(0);
+}
+
 /*
-  RunSave - writes a result file of a run by steps as of now, behind a step.
+  RunSave - writes a result file of a run by steps, as of a time at which shapes were stored, or as
+  of now: as GrowSave() has it.
 
   now  the present time
 */
 PetscErrorCode RunSave(Run *self, const char *path, PetscReal t, PetscReal now) {
+  char text[2][64];
+
   PetscFunctionBegin;
-  UserCheck(PetscAbsReal(t - now) <= grow_rule.same_time * now && !(self->waits && now > self->t),
-            OptionsComm(),
-            "save: of several rods the present state is saved, behind a step in this version");
-  PetscCall(SaveNow(self, path));
+  if (PetscAbsReal(t - now) <= grow_rule.same_time * now) {
+    PetscCall(self->waits && now > self->t ? SaveWithin(self, path, now) : SaveNow(self, path));
+    PetscFunctionReturn(0);
+  }
+  for (PetscInt k = 0; k < self->marks; k++)
+    if (PetscAbsReal(t - self->mark[k].state.t) <= grow_rule.same_time * t) {
+      PetscCall(SaveMark(self, path, &self->mark[k]));
+      PetscFunctionReturn(0);
+    }
+  UserCheck(PETSC_FALSE, OptionsComm(),
+            "save: no shape of this run was stored at t = %s; times are multiples of %s "
+            "(-output_interval, -output_shapes)",
+            OptionBoth(t, UNIT_TIME, text[0]), OptionBoth(self->interval, UNIT_TIME, text[1]));
   PetscFunctionReturn(0);
 }

@@ -110,6 +110,40 @@ class SeveralRods(unittest.TestCase):
                 self.assertEqual(differing(sim[name].series, straight[name].series), [])
             self.assertEqual(differing(sim.series, straight.series), [])
 
+    def test_an_earlier_time_and_one_within_a_step_are_saved(self):
+        """From there it goes on with short steps to the same end; that it was saved changes nothing."""
+        sim = tendril.Simulation(rods=RODS, output_interval=0.02, **TOGETHER)
+        with tempfile.TemporaryDirectory() as directory:
+            sim.advance(0.0523)
+            sim.save(f"{directory}/within.h5")
+            sim.save(f"{directory}/earlier.h5", t=0.04)
+            with self.assertRaisesRegex(tendril.RunError, "no shape of this run was stored at t = 0.03"):
+                sim.save(f"{directory}/never.h5", t=0.03)
+            sim.advance()
+            for name, t in (("within", 0.0523), ("earlier", 0.04)):
+                r = tendril.load(f"{directory}/{name}.h5")
+                self.assertEqual((r.series.t[-1], r["twig"].shapes["t"][-1]), (t, t))
+                again = tendril.Simulation.load(f"{directory}/{name}.h5")
+                self.assertEqual(again.t, t)
+                again.advance()
+                for rod in RODS:
+                    np.testing.assert_allclose(again[rod].x, sim[rod].x, rtol=0, atol=1e-6)
+        self.assertEqual(differing(sim.series, self.by_program.series), [])
+
+    def test_what_ends_one_ends_all(self):
+        """Where it does in the program's run, however far one looked."""
+        sim = tendril.Simulation(rods=RODS, left_stop_length=1.0432, **TOGETHER)
+        sim.advance(0.0431)
+        sim.advance()
+        self.assertAlmostEqual(sim.t, 0.0432, delta=1e-15)
+        self.assertFalse(sim.step())
+        with tempfile.TemporaryDirectory() as directory:
+            sim.save(f"{directory}/ended.h5")
+            r = tendril.load(f"{directory}/ended.h5")
+        self.assertEqual((r.finished, r.groups["event"]["kind"], r.groups["event"]["rod"]), (True, "length", "left"))
+        with self.assertRaisesRegex(tendril.RunError, "at its end"):
+            sim.set("ts_max_time", 1)
+
     def test_what_is_changed_of_one_or_of_all_is_a_scene_of_the_program(self):
         """The changes that are in its file, given to the program as a table of each rod, make the same run."""
         sim = tendril.Simulation(rods=RODS, **TOGETHER)

@@ -342,6 +342,15 @@ class Sessions(unittest.TestCase):
             self.assertEqual([(file.parent / rows[k].split()[1]).read_text() for k in (0, 2)], [(place / "d1/walls.txt").read_text(), (place / "d2/duct.csv").read_text()])
             self.assertEqual(rows[2].split()[2:], ["inside", "friction", "0.1"])
 
+    def test_a_scene_of_several_rods_is_refused_by_its_section(self):
+        from tendril.playing import prepare
+
+        with tempfile.TemporaryDirectory() as directory:
+            file = Path(directory) / "two.opts"
+            file.write_text("-growth_type feed\n[rod a]\n[rod b]\n")
+            with self.assertRaisesRegex(tendril.TendrilError, r"two.opts: \[rod a\]: live shows one rod"):
+                prepare(file, {}, directory)
+
     def test_each_wall_beside_a_rod_that_sees_a_lamp_is_drawn_alone(self):
         from tendril.playing import prepare
         from tendril.sessions import Session, drawn_walls
