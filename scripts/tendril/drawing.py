@@ -19,6 +19,7 @@ from .several import Several
 from .solids import solids
 from .spatial import diameter_of, lift, up_of
 from .style import STYLE
+from .units import scale_of, suited_to
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,8 +38,26 @@ def begun(scene, rods, pairs, options) -> Results:
             return error.results
 
 
+def time_of(r, t) -> str:
+    """A time in words, in the laboratory's unit if the run has one."""
+    scale = scale_of([r], "time")
+    name, seconds = suited_to("time", t * scale) if scale else ("", 1)
+    return f"{t * (scale or 1) / seconds:.3g} {name}".strip()
+
+
+def show_births(axes, results, joints):
+    """Where rods come out later, on those that are there, with their names and times. (A place that is yet to grow is shown near the tip.)"""
+    for name in sorted(set(results.born) - set(results.rods), key=results.born.get):
+        carrier = results.rods.get(joints[name].on) if name in joints else None
+        if carrier is not None:
+            place = lift(carrier, carrier.stored(0)).x[joints[name].node - results.first[carrier.name]]
+            axes.plot(*place[:, None], "+", c="k", ms=5, zorder=5)
+            axes.text(*place, f" {name}: {time_of(carrier, results.born[name])}", fontsize=7, zorder=5)
+
+
 def draw(scene=None, *, rods=None, pairs=None, view: tuple[float, float] | str | None = None, **options) -> Figure:
-    """Draws a scene before it runs: its rods as they begin, with their names, and the walls. A clamp is a square, a joint a ring.
+    """Draws a scene before it runs: its rods as they begin, with their names, and the walls. A clamp is a square, a joint a ring, and a
+    cross is where one comes out later, and when.
 
     scene, rods, pairs, options  as for run(); or what run() gave, drawn as it began
     view                         from where it is seen, as for plot()"""
@@ -66,6 +85,8 @@ def draw(scene=None, *, rods=None, pairs=None, view: tuple[float, float] | str |
                 axes.plot(*x[[end]].T, "o", mfc="w", mec=shade, ms=5, zorder=4)
             if len(each) <= NAMED and isinstance(results, Several):
                 axes.text(*x[-1], f" {r.name}", color=shade, fontsize=8, zorder=5)
+        if isinstance(results, Several):
+            show_births(axes, results, joints)
         for r in {id(r): r for r in lines.values()}.values():
             draw_surfaces(axes, [one.at(0.0) for one in solids(r)], low, high)
     return figure

@@ -12,7 +12,7 @@ import numpy as np
 from .collection import Sweep, is_sweep, load_sweep
 from .errors import OF_CONTENT, ResultsError, path_of
 from .results import ALONG, NUMBERS, SHAPES, Results, Table, as_text, options_of
-from .several import Several, names_of, rod_of
+from .several import Several, births_of, names_of, rod_of
 
 PRIVATE = ("restart",)  # what is tendril's own business
 MOST = 1e100  # of any number of a rod
@@ -222,14 +222,18 @@ def load_rods(path, attributes, groups, series, shapes, about) -> Several:
     """The rods of a file that has several."""
     finished = bool(attributes.pop("finished", 0))
     options = options_of(attributes.pop("options", ""))
-    rods = {}
-    for number, name in enumerate(names_of(path, groups["rods"])):
+    rods, names = {}, names_of(path, groups["rods"])
+    born = births_of(path, groups["rods"], names)
+    for number, name in enumerate(names):
+        if born.get(name, 0) > (1 + 1e-12) * max(series.get("t", ()), default=0):
+            continue  # it is to come
         rods[name] = one = rod_of(path, finished, number, name, attributes, groups, shapes, series, about)
         check_series(one.series)
         check_shapes(one.shapes, "joints" in groups)
         check_attributes(path, one.attributes)
     others = {name: group for name, group in groups.items() if name not in ("rods", "pairs", "joints")}
     return Several(path, finished, options, attributes, series, shapes, groups=others, units=about[0], notes=about[1], rods=rods,
+                   born=born, names=names, first={name: int(k) for name, k in zip(names, groups["rods"]["first"])},
                    touching=groups.get("pairs", Table()), joined=groups.get("joints", Table()))
 
 

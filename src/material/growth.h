@@ -69,6 +69,12 @@ PetscErrorCode GrowthPathGiven(Growth growth, PetscBool *given);
 PetscErrorCode GrowthFeedByPath(Growth growth);
 PetscErrorCode GrowthFeedOn(Growth growth, PetscReal t, PetscReal speed);
 
+/* growth_follow.c: seen from labels that go with material, and by a clock of its own */
+PetscErrorCode GrowthDelay(Growth growth, PetscReal born);
+PetscReal GrowthRests(Growth growth, PetscReal distance);
+PetscErrorCode GrowthFollow(Growth growth, PetscInt n, const PetscReal along[], PetscReal end,
+                            PetscInt nodes, PetscReal s[], PetscReal label[]);
+
 /* growth that feels force: what a model finds of it */
 PetscErrorCode GrowthYields(Growth growth);
 PetscErrorCode GrowthYieldSee(Growth growth, PetscReal t, PetscInt n, const PetscReal s[],

@@ -126,6 +126,19 @@ PetscErrorCode MeshDouble(Mesh *mesh, PetscReal s, PetscInt *node) {
   PetscFunctionReturn(0);
 }
 
+/* MeshNextDouble - the first of the two nodes at the next label from a node on that is there twice,
+   of a mesh that was read: it counts from now on. */
+PetscErrorCode MeshNextDouble(Mesh *mesh, PetscInt from, PetscInt *node) {
+  PetscFunctionBegin;
+  for (*node = from; *node < mesh->cells; ++*node)
+    if (mesh->s[*node] == mesh->s[*node + 1]) {
+      mesh->doubles++;
+      PetscFunctionReturn(0);
+    }
+  UserCheck(PETSC_FALSE, OptionsComm(),
+            "-restart: its rods are not joined where these are; leave -clamp_on and the like out");
+}
+
 PetscErrorCode MeshDestroy(Mesh *mesh) {
   PetscFunctionBegin;
   PetscCall(PetscFree(mesh->s));

@@ -14,6 +14,7 @@ typedef struct {
 PetscErrorCode MeshCreate(PetscInt cells, PetscBool graded, Growth growth, PetscReal end_time,
                           Mesh *mesh);
 PetscErrorCode MeshDouble(Mesh *mesh, PetscReal s, PetscInt *node);
+PetscErrorCode MeshNextDouble(Mesh *mesh, PetscInt from, PetscInt *node);
 PetscErrorCode MeshDestroy(Mesh *mesh);
 
 #endif

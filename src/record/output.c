@@ -354,6 +354,18 @@ PetscErrorCode OutputShape(Output self, PetscReal t, const Node *nodes,
   PetscFunctionReturn(0);
 }
 
+/* OutputBlank - the shape that was added last is none: NaN, but for its time. */
+PetscErrorCode OutputBlank(Output self) {
+  PetscFunctionBegin;
+  if (!self->mine && !self->shapes_kept) PetscFunctionReturn(0);
+  for (int i = 0; i < self->sets; i++) {
+    const PetscInt size = OutputShapeSize(self, i);
+    for (PetscInt j = 0; j < size && self->set[i].components; j++)
+      self->shape[i][(self->shapes_n - 1) * size + j] = NAN;
+  }
+  PetscFunctionReturn(0);
+}
+
 /* OutputEvent - keeps the event that ended the run for the next store. */
 PetscErrorCode OutputEvent(Output self, const Event *event) {
   PetscFunctionBegin;

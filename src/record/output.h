@@ -37,6 +37,7 @@ PetscErrorCode OutputContactAbout(Scene scene, PetscReal t, PetscInt i, PetscRea
                                   const PetscReal (*contact)[PUSH], PetscReal about[3]);
 PetscErrorCode OutputShape(Output output, PetscReal t, const Node *nodes,
                            const PetscReal (*contact)[PUSH]);
+PetscErrorCode OutputBlank(Output output);
 PetscErrorCode OutputEvent(Output output, const Event *event);
 PetscErrorCode OutputFollows(Output output);
 PetscErrorCode OutputErrors(Output output, const ErrorEstimate *error);

@@ -194,7 +194,7 @@ PetscErrorCode RememberedReadEach(const char *file, MPI_Comm comm, PetscInt n,
   char *names;
 
   PetscFunctionBegin;
-  PetscCall(HdfRead("-restart", file, "/restart/each", 2, dims, &data));
+  PetscCall(HdfReadGaps("-restart", file, "/restart/each", 2, dims, &data));
   PetscCall(HdfReadText("-restart", file, "/restart/names", &names));
   UserCheck(dims[0] == n, comm, "-restart %s: holds the state of %d rods, and there are %d", file,
             (int)dims[0], (int)n);

@@ -159,6 +159,24 @@ static PetscErrorCode WriteRods(const Several *self, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
+/* When each is born, if any is in the run. */
+static PetscErrorCode WriteBirths(const Several *self, HdfFile file) {
+  PetscBool any = PETSC_FALSE;
+  PetscReal *born;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(self->n, &born));
+  for (PetscInt k = 0; k < self->n; k++) {
+    born[k] = self->each[k]->scene->born;
+    if (born[k] > 0) any = PETSC_TRUE;
+  }
+  if (any)
+    PetscCall(HdfWrite(file, "/rods/born", 1, &self->n, born, "l/V",
+                       "when each comes out; before, its shapes and series are NaN [r]"));
+  PetscCall(PetscFree(born));
+  PetscFunctionReturn(0);
+}
+
 /* The nodes of each as a line: what Xdmf calls mixed topology. */
 static PetscErrorCode WriteLines(const Several *self, HdfFile file) {
   enum { POLYLINE = 2 };
@@ -366,6 +384,7 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
   PetscCall(HdfWriteText(file, "/rods/text", text, "the rods' own options, a section each"));
   PetscCall(PetscFree(text));
   PetscCall(WriteRods(self, file));
+  PetscCall(WriteBirths(self, file));
   PetscCall(WriteLines(self, file));
   PetscCall(WriteSeries(self, file));
   PetscCall(WriteShapes(self, file));
@@ -522,7 +541,7 @@ static PetscErrorCode TakeSet(const Several *self, const char *from, int set, Pe
   PetscReal *value;
 
   PetscFunctionBegin;
-  PetscCall(HdfRead("-restart", from, is->name, rank, dims, &value));
+  PetscCall(HdfReadGaps("-restart", from, is->name, rank, dims, &value));
   for (PetscInt k = 0; k < self->n; k++) {
     Output one = self->each[k];
     const PetscInt size = set < one->sets ? OutputShapeSize(one, set) : 0,
@@ -596,19 +615,25 @@ PetscErrorCode SeveralTake(Several *self, const char *from, PetscReal t, PetscRe
   PetscFunctionReturn(0);
 }
 
-/* SeveralLabels - gives the scene of rod k the file's mesh, which may depend on the end time. */
-PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene) {
+/* SeveralLabels - gives the scene of rod k the file's mesh, which may depend on the end time.
+   joints: so many others are joined to the rod, for each of which the file has a node more, or two.
+ */
+PetscErrorCode SeveralLabels(const char *from, PetscInt k, PetscInt joints, Scene scene) {
   PetscReal *s, *first, *count;
-  PetscInt n, rods;
+  PetscInt n, rods, cells = 0;
   PetscBool same;
 
   PetscFunctionBegin;
   PetscCall(HdfRead("-restart", from, "/shapes/s", 1, &n, &s));
   PetscCall(HdfRead("-restart", from, "/rods/first", 1, &rods, &first));
   PetscCall(HdfRead("-restart", from, "/rods/count", 1, &rods, &count));
-  same = (PetscBool)(k < rods && (PetscInt)count[k] == scene->mesh.cells + 1 &&
-                     (PetscInt)(first[k] + count[k]) <= n);
-  if (same) PetscCall(PetscArraycpy(scene->mesh.s, s + (PetscInt)first[k], scene->mesh.cells + 1));
+  if (k < rods && (PetscInt)(first[k] + count[k]) <= n) cells = (PetscInt)count[k] - 1;
+  same = (PetscBool)(cells >= scene->mesh.cells && cells <= scene->mesh.cells + 2 * joints);
+  if (same) {
+    scene->mesh.cells = cells;
+    PetscCall(PetscRealloc((size_t)(cells + 1) * sizeof(*s), &scene->mesh.s));
+    PetscCall(PetscArraycpy(scene->mesh.s, s + (PetscInt)first[k], cells + 1));
+  }
   PetscCall(PetscFree(s));
   PetscCall(PetscFree(first));
   PetscCall(PetscFree(count));

@@ -1,6 +1,7 @@
 /* The result file of several rods: their series and shapes packed, rod behind rod.
 
      /rods/name, first, count [r]   rod k has the nodes first[k] ... first[k] + count[k] - 1
+     /rods/born [r]                 when each comes out, if any does in the run
      /rods/series/NAME [steps][r]   as /series/NAME of a single rod's file
      /rods/of/NAME                   attributes, and walls, as a single rod's file has them
      /rods/text                     the rods' own options, a section each
@@ -42,7 +43,7 @@ void SeveralDropShape(Several *self);
 PetscBool SeveralHas(const Several *self, PetscInt observed);
 PetscReal SeveralSum(const Several *self, PetscInt observed, const PetscReal of_each[]);
 PetscErrorCode SeveralTake(Several *self, const char *from, PetscReal t, PetscReal interval);
-PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene);
+PetscErrorCode SeveralLabels(const char *from, PetscInt k, PetscInt joints, Scene scene);
 PetscErrorCode SeveralEnd(Several *self);
 
 #endif

@@ -401,10 +401,10 @@ PetscReal RodNextTurn(const Rod rod, PetscReal t) {
 }
 
 static PetscBool MayJerk(const struct _Scene *scene) {
-  return (PetscBool)(scene->curvature.steered || scene->growth->jerks);
+  return (PetscBool)(scene->curvature.steered || scene->growth->jerks || scene->born > 0);
 }
 
-/* RodMayJerk - is it fed, or bent by nature, in a way that may set out or stop at once? */
+/* RodMayJerk - is it fed, or bent by nature, in a way that may set out or stop at once, or born? */
 PetscBool RodMayJerk(const Rod rod) {
   return Any(rod, MayJerk);
 }

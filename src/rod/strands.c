@@ -284,6 +284,8 @@ static void Meet(PetscInt i, PetscInt j, void *ctx) {
   const Strand *rod = StrandOf(self, i);
 
   if (look->error || !IsCell(self, i) || !IsCell(self, j)) return;
+  if (SceneRests(rod->scene, self->time) || SceneRests(StrandOf(self, j)->scene, self->time))
+    return;
   if (self->of[i] != self->of[j])
     look->error = StrandLawOf(self, self->of[i], self->of[j], &look->contact);
   else

@@ -13,6 +13,8 @@ static const OptionRow rows[] = {
     ROW_INT("-rod_cells", "500", 4, 3e8, 0, "N, so N + 1 nodes"),
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
+    ROW_REAL("-born", "0", 0, 1e9, UNIT_TIME, 0,
+             "of one of several rods: it comes out then, and its growth counts time from there"),
     ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run"),
     ROW_TEXT("-change_file", INPUT_FILE,
              "text file of what changes in the run, one a line: the time, what, and its new value, "
@@ -74,7 +76,7 @@ static PetscErrorCode LargestCell(Scene scene, PetscReal t, PetscReal cell[2]) {
 
 /* SceneNextTurn - the first time behind t at which what tables give in time sets out, stops or
    turns back: the places of tip, clamp and walls, factors of friction, the length, natural
-   curvature. PETSC_MAX_REAL if nothing does. */
+   curvature; or at which the rod is born. PETSC_MAX_REAL if nothing does. */
 PetscReal SceneNextTurn(Scene scene, PetscReal t) {
   const Growth growth = scene->growth;
   PetscReal next = SurfacesNextTurn(&scene->contact.surfaces, t);
@@ -87,15 +89,17 @@ PetscReal SceneNextTurn(Scene scene, PetscReal t) {
     next = SmallerOf(next, FieldNextTurn(scene->tip.resistance.field, t));
   if (growth->next_turn) next = SmallerOf(next, growth->next_turn(growth, t));
   next = SmallerOf(next, CurvatureNextTurn(&scene->curvature, t));
+  if (scene->born > t) next = SmallerOf(next, scene->born);
   return next;
 }
 
 /* SceneJerks - does what feeds the rod, or bends it by nature, set out or stop at once between two
-   times? */
+   times, or is it born? */
 PetscBool SceneJerks(Scene scene, PetscReal t0, PetscReal t1) {
   const Growth growth = scene->growth;
 
-  return (PetscBool)((growth->jerks && growth->jerks(growth, t0, t1)) ||
+  return (PetscBool)((scene->born > 0 && t0 < scene->born && scene->born <= t1) ||
+                     (growth->jerks && growth->jerks(growth, t0, t1)) ||
                      CurvatureJerks(&scene->curvature, t0, t1));
 }
 
@@ -306,6 +310,8 @@ PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene) {
   self->units.length = self->units.time = self->units.stiffness = 1;
   PetscCall(SiSetFromOptions(&self->si)); /* first: the others may carry units */
   PetscCall(GrowthCreate(&self->growth));
+  PetscCall(OptionReal("-born", &self->born, NULL));
+  if (self->born > 0) PetscCall(GrowthDelay(self->growth, self->born));
   PetscCall(OptionReal("-clamp_angle", &self->clamp_angle, NULL));
   PetscCall(SpaceClampDirection(seat, &self->clamp_angle, &self->space));
   PetscCall(LoadSetFromOptions(&self->load));
@@ -351,8 +357,8 @@ PetscErrorCode SceneCreateOn(const Seat *seat, PetscBool touch, Scene *scene) {
 /* SceneCreate - of a rod alone: SceneCreateOn(). What it is beside others is what the scales are
    of. Collective. */
 PetscErrorCode SceneCreate(Scene *scene) {
-  static const char *const beside[] = {"-rod_stiffness", "-friction_strength", "-growth_speed",
-                                       "-clamp_on", "-tip_on"};
+  static const char *const beside[] = {
+      "-rod_stiffness", "-friction_strength", "-growth_speed", "-clamp_on", "-tip_on", "-born"};
   PetscBool given;
 
   PetscFunctionBegin;

@@ -71,13 +71,14 @@ struct _Scene {
   Si si;
   ClampType clamp;
   PetscReal clamp_angle; /* alpha; the problem is solved in the clamp's frame, results are turned */
-  PetscReal end_time;    /* T, -ts_max_time */
-  PetscReal reach;       /* the longest that the rod becomes */
-  PetscReal stands_off;  /* by how much walls at which the rod begins are taken off, at most */
-  Changes changes;       /* what a run changes in all of this; NULL: nothing */
-  SceneUnits units;      /* RodFindUnits() */
-  PetscReal falls;       /* at this speed, in a snap: SceneAtSpeed(); 0: in none */
-  PetscReal beta[3];     /* ... and what its frictions have for beta else */
+  PetscReal born;     /* of one of several rods: it comes out then; 0: it is there from the start */
+  PetscReal end_time; /* T, -ts_max_time */
+  PetscReal reach;    /* the longest that the rod becomes */
+  PetscReal stands_off; /* by how much walls at which the rod begins are taken off, at most */
+  Changes changes;      /* what a run changes in all of this; NULL: nothing */
+  SceneUnits units;     /* RodFindUnits() */
+  PetscReal falls;      /* at this speed, in a snap: SceneAtSpeed(); 0: in none */
+  PetscReal beta[3];    /* ... and what its frictions have for beta else */
 };
 
 extern const OptionGroup scene_options;
@@ -105,6 +106,18 @@ void SceneAtTolerance(Scene scene, PetscReal rtol);
 PetscErrorCode SceneHoldTip(Scene scene, const PetscReal x[2], PetscReal theta);
 PetscErrorCode SceneHoldTip3(Scene scene, const PetscReal x[3], const PetscReal p[4]);
 PetscErrorCode SceneShapeAngle(Scene scene, PetscReal s, PetscReal *theta, PetscReal *theta_s);
+
+/* Is it still to come at a time? And is it in the equations of a step that ends there: at its birth
+   it is there, and moves with the step that begins then. (Steps end at births but for round-off.)
+ */
+static inline PetscBool SceneToCome(const struct _Scene *scene, PetscReal t) {
+  const PetscReal rounding = 1e-12;
+  return (PetscBool)(scene->born > 0 && t < (1 - rounding) * scene->born);
+}
+static inline PetscBool SceneRests(const struct _Scene *scene, PetscReal t) {
+  const PetscReal rounding = 1e-12;
+  return (PetscBool)(scene->born > 0 && t <= (1 + rounding) * scene->born);
+}
 
 /* Is its beginning held by another rod? */
 static inline PetscBool SceneCarried(const struct _Scene *scene) {

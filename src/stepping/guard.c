@@ -147,16 +147,21 @@ static PetscErrorCode NodesOfAll(Leg *leg, PetscReal t, Vec U, Node *nodes) {
 static PetscErrorCode PassEachOther(Leg *leg, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                     PetscBool *pass) {
   const Rod all = leg->rod;
-  const PetscInt n = all->last + 1;
+  PetscInt n = 0, *of;
   Node *from, *to;
-  PetscInt *of;
 
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(n, &of, n, &from, n, &to));
-  for (PetscInt k = 0; k < all->rods; k++)
-    for (PetscInt i = all->at[k]; i < all->at[k + 1]; i++) of[i] = k;
+  PetscCall(PetscMalloc3(all->last + 1, &of, all->last + 1, &from, all->last + 1, &to));
   PetscCall(NodesOfAll(leg, t0, U0, from));
   PetscCall(NodesOfAll(leg, t1, U1, to));
+  for (PetscInt k = 0; k < all->rods; k++) {
+    if (SceneRests(all->each[k]->scene, t1)) continue; /* not born yet */
+    for (PetscInt i = all->at[k]; i < all->at[k + 1]; i++, n++) {
+      of[n] = k;
+      from[n] = from[i];
+      to[n] = to[i];
+    }
+  }
   PetscCall(RodPassesItself(n, of, from, to, pass));
   PetscCall(PetscFree3(of, from, to));
   PetscFunctionReturn(0);
@@ -174,6 +179,7 @@ PetscErrorCode GuardPasses(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1, Pe
   PetscCall(TSGetApplicationContext(ts, &leg));
   *passes = PETSC_FALSE;
   for (PetscInt k = 0; k < leg->rod->rods && !*passes; k++) {
+    if (SceneRests(leg->rod->each[k]->scene, t1)) continue;
     PetscCall(RodPartOpenRead(leg->rod, k, U0, &part[0]));
     PetscCall(RodPartOpenRead(leg->rod, k, U1, &part[1]));
     PetscCall(Passes(ts, leg, k, t0, t1, part[0], part[1], passes));

@@ -38,6 +38,11 @@ static void See(const Joint *joint, const Rod all, PetscReal t, const PetscReal 
   QuaternionTimes(carried, seen->after, seen->held);
 }
 
+/* Is its rod still to come? Then it is none. */
+static PetscBool IsToCome(const Joint *joint, const Rod all, PetscReal t) {
+  return SceneRests(all->each[joint->rod]->scene, t);
+}
+
 /* Does the joint let the rod turn about a direction of its basis? */
 static PetscBool Turns(const Joint *joint, int i) {
   return (PetscBool)(joint->kind == JOINT_BALL || (joint->kind == JOINT_HINGE && i == 0));
@@ -88,7 +93,18 @@ static void TurnSlope(const Seen *seen, PetscReal own[3][FIELDS], PetscReal of[3
     }
 }
 
-/* Where the rod is, less where the place that carries it is. */
+/* Where the place that carries the rod is. */
+static void PlaceOf(const Seen *seen, PetscReal x[3]) {
+  const Joint *joint = seen->joint;
+
+  for (int i = 0; i < 3; i++) {
+    x[i] = joint->x[i];
+    for (int k = 0; k < 3; k++)
+      x[i] += joint->to_carrier[k][i] * (seen->u_P[X + k] - joint->x_P[k]);
+  }
+}
+
+/* Where the rod is, less where that is. */
 static void PlaceResidual(const Seen *seen, PetscReal r[3]) {
   const Joint *joint = seen->joint;
 
@@ -132,6 +148,7 @@ PetscErrorCode JointsResidual(Joints joints, Rod all, PetscReal t, Vec U, Vec F)
   PetscCall(VecGetArrayRead(U, &u));
   PetscCall(VecGetArray(F, &f));
   for (PetscInt j = 0; j < JointsCount(joints); j++) {
+    if (IsToCome(JointsGet(joints, j), all, t)) continue;
     See(JointsGet(joints, j), all, t, u, &seen);
     AddResidual(&seen, f + seen.own * FIELDS, f + seen.of * FIELDS);
   }
@@ -184,6 +201,7 @@ PetscErrorCode JointsJacobian(Joints joints, Rod all, PetscReal t, Vec U, Mat J)
   PetscFunctionBegin;
   PetscCall(VecGetArrayRead(U, &u));
   for (PetscInt j = 0; j < JointsCount(joints); j++) {
+    if (IsToCome(JointsGet(joints, j), all, t)) continue;
     See(JointsGet(joints, j), all, t, u, &seen);
     PetscCall(PetscMemzero(block, sizeof(block)));
     Slopes(&seen, block[0], block[1], block[2]);
@@ -193,6 +211,23 @@ PetscErrorCode JointsJacobian(Joints joints, Rod all, PetscReal t, Vec U, Mat J)
   }
   PetscCall(VecRestoreArrayRead(U, &u));
   PetscFunctionReturn(0);
+}
+
+/* JointsCarry - where rod k begins in a state of all, u, and how, in its own frame, if another rod
+   carries it: does one? */
+PetscBool JointsCarry(Joints joints, PetscInt k, Rod all, PetscReal t, const PetscReal *u,
+                      PetscReal x[3], PetscReal p[4]) {
+  Seen seen;
+
+  for (PetscInt j = 0; j < JointsCount(joints); j++) {
+    const Joint *joint = JointsGet(joints, j);
+    if (joint->rod != k || joint->tip) continue;
+    See(joint, all, t, u, &seen);
+    PlaceOf(&seen, x);
+    memcpy(p, seen.held, sizeof(seen.held));
+    return PETSC_TRUE;
+  }
+  return PETSC_FALSE;
 }
 
 /* ---- how the rods begin ---- */

@@ -8,7 +8,8 @@
      ball    x = x_P,  m = 0,  |p| = 1     of a tip  without the last
      hinge   x = x_P,  m.e = 0,  vec((p_P q)* p) = 0 across e,  |p| = 1, likewise
 
-   The carrier's node there is double (material/mesh.h), so that its moment and force jump:
+   The carrier's node there is double (material/mesh.h), and stays with its material
+   (material/growth_follow.c), so that its moment and force jump:
 
      m_b - m_a + sum of m of all that begin there - sum of m of all tips held there = 0,   n
    likewise.
@@ -29,7 +30,9 @@ typedef struct {
   JointKind kind;
   char at[64];         /* where on the carrier, as it was asked for */
   PetscReal label;     /* ... */
-  PetscInt node;       /* ... and the first of its two nodes there */
+  PetscBool follows;   /* its material slides along the carrier, */
+  PetscReal along;     /* ... and by this it is told (GrowthFollow()) */
+  PetscInt node;       /* the first of its two nodes there */
   PetscReal across[3]; /* of a hinge, its axis in the laboratory, as the rods begin */
   /* from the rod's frame to the carrier's, as vectors go, and to the rod's from there, as
      quaternions do; q; the places as they begin; and the rod's basis in which turns are told, of
@@ -44,16 +47,19 @@ PetscErrorCode JointsRead(Rods rods, Joints *joints);
 PetscErrorCode JointsDestroy(Joints *joints);
 PetscInt JointsCount(Joints joints);
 const Joint *JointsGet(Joints joints, PetscInt j);
+PetscInt JointsOn(Joints joints, PetscInt k);
 PetscInt JointsNext(Joints joints, PetscInt i);
 PetscErrorCode JointsSeat(Joints joints, PetscInt k, const Rod each[], Seat *seat,
                           PetscBool *carried);
 PetscErrorCode JointsHold(Joints joints, PetscInt k, Scene scene);
-PetscErrorCode JointsDouble(Joints joints, Rods rods, PetscInt k, Scene scene);
+PetscErrorCode JointsDouble(Joints joints, Rods rods, PetscInt k, PetscBool placed, Scene scene);
 PetscErrorCode JointsClose(Joints joints, Rods rods, const Rod each[]);
 
 /* joints.c */
 PetscErrorCode JointsResidual(Joints joints, Rod all, PetscReal t, Vec U, Vec F);
 PetscErrorCode JointsJacobian(Joints joints, Rod all, PetscReal t, Vec U, Mat J);
+PetscBool JointsCarry(Joints joints, PetscInt k, Rod all, PetscReal t, const PetscReal *u,
+                      PetscReal x[3], PetscReal p[4]);
 void JointsRelate(Joint *joint, const Rod each[], const PetscReal own[], const PetscReal of[]);
 
 #endif

@@ -163,6 +163,14 @@ const Joint *JointsGet(Joints self, PetscInt j) {
   return &self->joint[j];
 }
 
+/* JointsOn - how many are on rod k. */
+PetscInt JointsOn(Joints self, PetscInt k) {
+  PetscInt n = 0;
+
+  for (PetscInt j = 0; j < self->n; j++) n += self->joint[j].carrier == k;
+  return n;
+}
+
 /* JointsNext - which rod is to be made i-th. */
 PetscInt JointsNext(Joints self, PetscInt i) {
   return self->order[i];
@@ -197,6 +205,9 @@ static PetscErrorCode HoldBeginning(Joint *joint, Scene scene) {
             "%s: turns a rod that is welded to its carrier, and this one gives way; give "
             "-clamp_type held, or leave it out",
             SpaceClampOption(&scene->space));
+  UserCheck(joint->kind != JOINT_HINGE || scene->born == 0, OptionsComm(),
+            "-clamp_type hinged: not of a rod that is born, for its axis is in the laboratory as "
+            "rods begin; give held or ball");
   scene->clamp = joint->kind == JOINT_WELD ? CLAMP_CARRIED : CLAMP_SWINGS;
   PetscFunctionReturn(0);
 }
@@ -295,14 +306,14 @@ PetscErrorCode JointsSeat(Joints self, PetscInt k, const Rod each[], Seat *seat,
   PetscFunctionReturn(0);
 }
 
-/* The label of the material that is so far from the beginning, as the rod begins. */
-static PetscErrorCode LabelAt(Scene scene, PetscReal distance, PetscReal *label) {
+/* The label of the material that is so far from the beginning at a time. */
+static PetscErrorCode LabelAt(Scene scene, PetscReal distance, PetscReal t, PetscReal *label) {
   PetscReal low = 0, high = 1, p;
 
   PetscFunctionBegin;
   for (int i = 0; i < 60 && high > low; i++) {
     *label = (low + high) / 2;
-    PetscCall(GrowthArc(scene->growth, 1, label, 0, &p, NULL));
+    PetscCall(GrowthArc(scene->growth, 1, label, t, &p, NULL));
     if (p > distance)
       high = *label;
     else
@@ -312,41 +323,136 @@ static PetscErrorCode LabelAt(Scene scene, PetscReal distance, PetscReal *label)
   PetscFunctionReturn(0);
 }
 
-/* ... of a joint's place on its carrier, whose scene is here. */
-static PetscErrorCode FindLabel(Joint *joint, const char *carrier, Scene scene) {
-  const char *const option = words[joint->tip].at;
-  PetscReal distance, length;
-  char text[64];
+/* When the rod of a joint is born, of whose options the reading is now; its carrier is there then.
+ */
+static PetscErrorCode ReadBirth(const Joint *joint, const char *carrier, Scene scene,
+                                PetscReal *born) {
+  PetscBool given;
+  char text[2][64];
 
   PetscFunctionBegin;
-  joint->label = strcmp(joint->at, "base") ? 1 : 0;
-  if (!strcmp(joint->at, "base") || !strcmp(joint->at, "tip")) PetscFunctionReturn(0);
-  PetscCall(OptionQuantity(option, joint->at, UNIT_LENGTH, &distance));
-  PetscCall(GrowthLength(scene->growth, 0, &length, NULL));
-  UserCheck(distance >= 0 && distance <= length * (1 + 1e-12), OptionsComm(),
-            "%s %s: rod %s is %s long as it begins; give a place on it, or base or tip", option,
-            joint->at, carrier, OptionBoth(length, UNIT_LENGTH, text));
-  if (distance == 0 || distance >= length * (1 - 1e-12))
-    joint->label = distance > 0;
-  else
-    PetscCall(LabelAt(scene, distance, &joint->label));
+  PetscCall(OptionReal("-born", born, NULL));
+  PetscCall(OptionGiven("-clamp_direction", &given));
+  UserCheck(*born == 0 || !given, OptionsComm(),
+            "-clamp_direction: not of a rod that is born, for its carrier turns till then; give "
+            "-clamp_angle and -clamp_azimuth");
+  UserCheck(!joint->tip || (*born == 0 && scene->born == 0), OptionsComm(),
+            "-born: not where a tip is held (-tip_on): rod and carrier are there from the start; "
+            "leave one out");
+  UserCheck(*born >= scene->born, OptionsComm(),
+            "-born %s: rod %s, which carries it, is born at %s; give a later time",
+            OptionBoth(*born, UNIT_TIME, text[0]), carrier,
+            OptionBoth(scene->born, UNIT_TIME, text[1]));
   PetscFunctionReturn(0);
 }
 
-/* Refuses a carrier whose material slides past its labels there, with which a joint does not go. */
-static PetscErrorCode CheckRests(const Joint *joint, const char *carrier, Scene scene) {
-  enum { TIMES = 10 };
-  PetscReal fastest = 0;
+/* Refuses a place of a carrier that grows at its tip which is in the growth zone. */
+static PetscErrorCode CheckBehindZone(const Joint *joint, const char *carrier, Scene scene,
+                                      PetscReal born, PetscReal distance) {
+  const PetscReal rests = GrowthRests(scene->growth, distance);
+  PetscReal length, rate;
+  char text[2][64];
 
   PetscFunctionBegin;
-  for (int k = 0; k <= TIMES; k++)
-    fastest = PetscMax(fastest, PetscAbsReal(GrowthSlide(scene->growth, joint->label,
-                                                         scene->end_time * k / TIMES)));
-  UserCheck(fastest == 0, OptionsComm(),
-            "%s %s: the material of rod %s moves along it there (-growth_type %s), and a joint "
-            "that goes with it is not known in this version; take -growth_type none, uniform or "
-            "gaussian for that rod",
-            words[joint->tip].on, carrier, carrier, scene->growth->type);
+  PetscCall(GrowthLength(scene->growth, born, &length, &rate));
+  UserCheck(length >= rests * (1 - 1e-12), OptionsComm(),
+            "%s %s: is in the growth zone of rod %s then, where material stretches; give a place "
+            "nearer its base, or -born %s, when it is %s long",
+            words[joint->tip].at, joint->at, carrier,
+            OptionBoth(born + (rests - length) / rate, UNIT_TIME, text[0]),
+            OptionBoth(rests, UNIT_LENGTH, text[1]));
+  PetscFunctionReturn(0);
+}
+
+/* Refuses a place of a carrier that is fed in which is not in from the start to the end. */
+static PetscErrorCode CheckIn(const Joint *joint, const char *carrier, Scene scene) {
+  const Growth growth = scene->growth;
+  const PetscReal slack = 1e-6;
+  PetscReal length, t = 0;
+  char text[64];
+
+  PetscFunctionBegin;
+  while (t < PETSC_MAX_REAL) {
+    PetscCall(GrowthLength(growth, t, &length, NULL));
+    UserCheck(length * (1 - slack) > joint->along, OptionsComm(),
+              "%s %s: that place of rod %s, which is fed, is not in at t = %s; give one nearer its "
+              "tip",
+              words[joint->tip].at, joint->at, carrier, OptionBoth(t, UNIT_TIME, text));
+    if (t >= scene->end_time) break;
+    t = growth->next_turn ? PetscMin(growth->next_turn(growth, t), scene->end_time)
+                          : scene->end_time;
+  }
+  PetscFunctionReturn(0);
+}
+
+/* Where the material of a carrier slides along it, a joint goes with it: how that is told. */
+static PetscErrorCode FindSliding(Joint *joint, const char *carrier, Scene scene, PetscReal born,
+                                  PetscReal distance) {
+  PetscReal length;
+
+  PetscFunctionBegin;
+  joint->follows = PETSC_TRUE;
+  joint->along = distance;
+  if (scene->growth->rests) {
+    PetscCall(CheckBehindZone(joint, carrier, scene, born, distance));
+    PetscFunctionReturn(0);
+  }
+  PetscCall(GrowthLength(scene->growth, born, &length, NULL));
+  joint->along = length - distance;
+  PetscCall(CheckIn(joint, carrier, scene));
+  PetscFunctionReturn(0);
+}
+
+/* A joint's place on its carrier, whose scene is here. */
+static PetscErrorCode FindPlace(Joint *joint, const char *carrier, Scene scene) {
+  const char *const option = words[joint->tip].at;
+  PetscReal distance = 0, length, born = 0;
+  char text[64];
+
+  PetscFunctionBegin;
+  PetscCall(ReadBirth(joint, carrier, scene, &born));
+  joint->label = 1;
+  if (!strcmp(joint->at, "tip")) PetscFunctionReturn(0);
+  if (strcmp(joint->at, "base") != 0)
+    PetscCall(OptionQuantity(option, joint->at, UNIT_LENGTH, &distance));
+  PetscCall(GrowthLength(scene->growth, born, &length, NULL));
+  UserCheck(distance >= 0 && distance <= length * (1 + 1e-12), OptionsComm(),
+            "%s %s: rod %s is %s long %s; give a place on it, or base or tip", option, joint->at,
+            carrier, OptionBoth(length, UNIT_LENGTH, text), born > 0 ? "then" : "as it begins");
+  if (distance >= length * (1 - 1e-12)) PetscFunctionReturn(0);
+  joint->label = 0;
+  if (scene->growth->slides && (distance > 0 || !scene->growth->rests))
+    PetscCall(FindSliding(joint, carrier, scene, born, distance));
+  else if (distance > 0)
+    PetscCall(LabelAt(scene, distance, born, &joint->label));
+  PetscFunctionReturn(0);
+}
+
+/* The labels of carrier k go with the material where others are joined to it and that slides.
+   placed: those of its nodes do so already. */
+static PetscErrorCode FollowMaterial(const Joints self, PetscInt k, PetscBool placed, Scene scene) {
+  const PetscBool upwards = scene->growth->rests;
+  PetscReal *along, *label;
+  PetscInt n = 0;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc2(self->n, &along, self->n, &label));
+  for (PetscInt j = 0; j < self->n; j++)
+    if (self->joint[j].carrier == k && self->joint[j].follows) along[n++] = self->joint[j].along;
+  PetscCall(PetscSortRemoveDupsReal(&n, along));
+  for (PetscInt i = 0; i < n / 2 && !upwards; i++) {
+    const PetscReal other = along[i];
+    along[i] = along[n - 1 - i];
+    along[n - 1 - i] = other;
+  }
+  if (n > 0)
+    PetscCall(GrowthFollow(scene->growth, n, along, scene->end_time,
+                           placed ? 0 : scene->mesh.cells + 1, scene->mesh.s, label));
+  for (PetscInt j = 0; j < self->n; j++)
+    for (PetscInt i = 0; i < n; i++)
+      if (self->joint[j].carrier == k && self->joint[j].follows && self->joint[j].along == along[i])
+        self->joint[j].label = label[i];
+  PetscCall(PetscFree2(along, label));
   PetscFunctionReturn(0);
 }
 
@@ -367,8 +473,10 @@ static PetscInt Along(const Joints self, PetscInt k, Joint *on[]) {
 /*
   JointsDouble - the scene of rod k gets a double node wherever another one is joined to it, before
   the rod is made. What other rods are said to have is refused as theirs.
+
+  placed  the mesh has them already
 */
-PetscErrorCode JointsDouble(Joints self, Rods rods, PetscInt k, Scene scene) {
+PetscErrorCode JointsDouble(Joints self, Rods rods, PetscInt k, PetscBool placed, Scene scene) {
   Joint **on;
   PetscInt n;
 
@@ -376,13 +484,21 @@ PetscErrorCode JointsDouble(Joints self, Rods rods, PetscInt k, Scene scene) {
   for (PetscInt j = 0; j < self->n; j++) {
     if (self->joint[j].carrier != k) continue;
     PetscCall(RodsEnter(rods, self->joint[j].rod));
-    PetscCall(FindLabel(&self->joint[j], RodsName(rods, k), scene));
-    PetscCall(CheckRests(&self->joint[j], RodsName(rods, k), scene));
+    PetscCall(OptionsSetScales(scene->si.scale)); /* of all; the rod's own scene is still to come */
+    PetscCall(FindPlace(&self->joint[j], RodsName(rods, k), scene));
     PetscCall(RodsLeave(rods));
   }
+  PetscCall(FollowMaterial(self, k, placed, scene));
   PetscCall(PetscMalloc1(self->n, &on));
   n = Along(self, k, on);
-  for (PetscInt i = 0; i < n; i++) PetscCall(MeshDouble(&scene->mesh, on[i]->label, &on[i]->node));
+  for (PetscInt i = 0; i < n; i++) {
+    if (placed && i && on[i]->label == on[i - 1]->label)
+      on[i]->node = on[i - 1]->node;
+    else if (placed)
+      PetscCall(MeshNextDouble(&scene->mesh, i ? on[i - 1]->node + 2 : 0, &on[i]->node));
+    else
+      PetscCall(MeshDouble(&scene->mesh, on[i]->label, &on[i]->node));
+  }
   PetscCall(PetscFree(on));
   PetscFunctionReturn(0);
 }

@@ -97,8 +97,12 @@ static PetscErrorCode Residual(Rod rod, const RodState *at, Vec F) {
   PetscFunctionBegin;
   PetscCall(Enter(rod, at, F));
   for (PetscInt k = 0; k < rod->rods; k++) {
+    const Part *part = &((System *)rod->data)->part[k];
     const RodState own = StateOf(rod, k, at);
-    PetscCall(rod->each[k]->model->residual(rod->each[k], &own, ((System *)rod->data)->part[k].F));
+    if (SceneRests(rod->each[k]->scene, at->t))
+      PetscCall(VecCopy(part->U_t, part->F)); /* it stays as it is */
+    else
+      PetscCall(rod->each[k]->model->residual(rod->each[k], &own, part->F));
   }
   PetscCall(Leave(rod, F));
   PetscCall(JointsResidual(((System *)rod->data)->joints, rod, at->t, at->U, F));
@@ -160,6 +164,18 @@ static PetscErrorCode OpenWindow(PetscInt nodes, PetscInt fields, Mat *part) {
   PetscFunctionReturn(0);
 }
 
+/* That of a rod which stays as it is: its rates are 0. */
+static PetscErrorCode RestingJacobian(Rod rod, const RodState *at, Mat J) {
+  const PetscInt fields = rod->model->fields;
+  PetscReal block[MAX_FIELDS * MAX_FIELDS] = {0};
+
+  PetscFunctionBegin;
+  for (PetscInt f = 0; f < fields; f++) block[f * fields + f] = at->shift[f];
+  for (PetscInt i = 0; i <= rod->last; i++)
+    PetscCall(MatSetValuesBlocked(J, 1, &i, 1, &i, block, INSERT_VALUES));
+  PetscFunctionReturn(0);
+}
+
 /* The matrix of all: the rods' own, and what they do to each other, which adds to blocks. */
 static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
   const System *self = (const System *)rod->data;
@@ -176,7 +192,9 @@ static PetscErrorCode Jacobian(Rod rod, const RodState *at, Mat J) {
   for (PetscInt k = 0; k < rod->rods; k++) {
     const RodState own = StateOf(rod, k, at);
     window->first = self->at[k];
-    PetscCall(rod->each[k]->model->jacobian(rod->each[k], &own, self->window));
+    PetscCall((SceneRests(rod->each[k]->scene, at->t)
+                   ? RestingJacobian
+                   : rod->each[k]->model->jacobian)(rod->each[k], &own, self->window));
   }
   PetscCall(Leave(rod, NULL));
   PetscCall(MatAssemblyBegin(J, MAT_FLUSH_ASSEMBLY));
@@ -204,8 +222,11 @@ static PetscErrorCode Defect(Rod rod, const RodState *at, PetscReal (*defect)[MA
   PetscCall(Enter(rod, at, NULL));
   for (PetscInt k = 0; k < rod->rods; k++) {
     const RodState own = StateOf(rod, k, at);
-    PetscCall(rod->each[k]->model->defect(rod->each[k], &own,
-                                          defect + ((const System *)rod->data)->at[k]));
+    PetscReal(*const to)[MAX_FIELDS] = defect + ((const System *)rod->data)->at[k];
+    if (SceneRests(rod->each[k]->scene, at->t))
+      PetscCall(PetscArrayzero(to, rod->each[k]->last + 1));
+    else
+      PetscCall(rod->each[k]->model->defect(rod->each[k], &own, to));
   }
   PetscCall(Leave(rod, NULL));
   PetscFunctionReturn(0);
@@ -219,6 +240,7 @@ static PetscErrorCode Hold(Rod rod, const RodState *at, PetscReal seen, PetscRea
   PetscCall(Enter(rod, at, NULL));
   for (PetscInt k = 0; k < rod->rods; k++) {
     const RodState own = StateOf(rod, k, at);
+    if (SceneRests(rod->each[k]->scene, at->t)) continue;
     PetscCall(rod->each[k]->model->hold(rod->each[k], &own, seen, &one));
     *creep = PetscMax(*creep, one);
   }
@@ -235,6 +257,7 @@ static PetscErrorCode Bears(Rod rod, const RodState *at, RodForces *sum) {
   PetscCall(Enter(rod, at, NULL));
   for (PetscInt k = 0; k < rod->rods; k++) {
     const RodState own = StateOf(rod, k, at);
+    if (SceneRests(rod->each[k]->scene, at->t)) continue;
     PetscCall(rod->each[k]->model->bears(rod->each[k], &own, &one));
     RodKeepBorne(rod->each[k], &one);
   }
@@ -386,7 +409,8 @@ PetscErrorCode SystemCreate(PetscInt n, Rod each[], Joints joints, Strands stran
   self->rods = n;
   system->joints = joints;
   for (PetscInt k = 0; k < n; k++)
-    if (each[k]->scene->clamp != CLAMP_HELD || each[k]->coupled) self->coupled = PETSC_TRUE;
+    if (each[k]->scene->clamp != CLAMP_HELD || each[k]->coupled || each[k]->scene->born > 0)
+      self->coupled = PETSC_TRUE;
   if (JointsCount(joints) > 0 || strands) self->coupled = PETSC_TRUE;
   PetscCall(PetscMalloc1(n, &self->each));
   PetscCall(PetscArraycpy(self->each, each, n));

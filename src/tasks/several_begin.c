@@ -13,6 +13,8 @@ static PetscErrorCode CheckRod(const Scene scene) {
   UserCheck(!scene->tropism.any, OptionsComm(),
             "-tropism_ options and -growth_ironing: several rods do not know of a natural "
             "curvature that the material learns in this version; take them out");
+  UserCheck(scene->born == 0 || scene->tip.type == TIP_FREE, OptionsComm(),
+            "-born: not of a rod whose tip is held or led; leave it or -tip_type, -tip_path out");
   PetscFunctionReturn(0);
 }
 
@@ -47,9 +49,11 @@ static PetscErrorCode MakeScene(Run *self, PetscInt k, const Rod each[]) {
   UserCheck(!why, OptionsComm(), "%s", why);
   SceneAtTolerance(scene, self->rtol);
   PetscCall(RodsLeave(self->rods));
-  PetscCall(JointsDouble(self->joints, self->rods, k, scene));
+  self->to_come[k] = SceneToCome(scene, self->restart[0] ? self->from.t : 0);
+  if (self->restart[0])
+    PetscCall(SeveralLabels(self->restart, k, JointsOn(self->joints, k), scene));
+  PetscCall(JointsDouble(self->joints, self->rods, k, (PetscBool)(self->restart[0] != 0), scene));
   if (!self->restart[0]) PetscFunctionReturn(0);
-  PetscCall(SeveralLabels(self->restart, k, scene));
   PetscCall(SceneRecall(scene, &self->own[k].laws));
   PetscFunctionReturn(0);
 }
@@ -135,7 +139,7 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   PetscCall(LegPart(&self->leg, k, grow->now));
   grow->now->ease.most = grow->eased / self->rtol;
   PetscCall(LegPartFollow(grow->now));
-  if (JointsCount(self->joints))
+  if (self->estimate)
     PetscCall(EstimatePart(self->estimate, k, grow->now, &grow->estimate));
   else
     PetscCall(EstimateCreate(grow->now, &grow->estimate));
@@ -172,6 +176,7 @@ static PetscErrorCode CheckStarts(Run *self) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) PetscCall(CheckApart(self, k));
   for (PetscInt k = 0; k < self->n && !self->restart[0]; k++) {
+    if (self->to_come[k]) continue;
     PetscCall(RodsEnter(self->rods, k));
     PetscCall(GrowCheckStart(&self->each[k]));
     PetscCall(RodsLeave(self->rods));
@@ -213,7 +218,8 @@ PetscErrorCode RunBegin(Run *self) {
   PetscCall(ReadOptions(self));
   if (self->restart[0]) PetscCall(RunReadEach(self));
   PetscCall(JointsRead(self->rods, &self->joints));
-  PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
+  PetscCall(PetscCalloc4(self->n, &self->scene, self->n, &self->each, self->n, &self->output,
+                         self->n, &self->to_come));
   PetscCall(MakeLeg(self));
   PetscCall(RunTakeChanges(self));
   self->leg.owner = self;
@@ -222,7 +228,9 @@ PetscErrorCode RunBegin(Run *self) {
   PetscCall(TSSetMaxTime(self->leg.ts, self->end));
   PetscCall(TSSetPostStep(self->leg.ts, RunAfterStep));
   PetscCall(LegEndAtTurns(&self->leg));
-  if (JointsCount(self->joints)) PetscCall(EstimateCreate(&self->leg, &self->estimate));
+  PetscCall(RunCheckSteps(self));
+  if (JointsCount(self->joints) || RunAnyBorn(self))
+    PetscCall(EstimateCreate(&self->leg, &self->estimate));
   for (PetscInt k = 0; k < self->n; k++) {
     PetscCall(RodsEnter(self->rods, k));
     PetscCall(MakeSeen(self, k));
@@ -269,7 +277,7 @@ PetscErrorCode RunEnd(Run *self) {
   PetscCall(LegDestroy(&self->leg));
   for (int i = 0; i < 2; i++) PetscCall(StrandsDestroy(&self->strands[i]));
   for (PetscInt k = 0; k < self->n && self->scene; k++) PetscCall(SceneDestroy(&self->scene[k]));
-  PetscCall(PetscFree3(self->scene, self->each, self->output));
+  PetscCall(PetscFree4(self->scene, self->each, self->output, self->to_come));
   if (self->begun) PetscCall(SeveralEnd(&self->file));
   PetscCall(JointsDestroy(&self->joints));
   PetscCall(RodsDestroy(&self->rods));

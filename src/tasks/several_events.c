@@ -19,7 +19,7 @@ static PetscErrorCode LookForEvent(Run *self, PetscReal t, Vec U, Event *event, 
   self->t = t;
   self->U = U ? U : self->leg.U;
   for (PetscInt k = 0; k < self->n && *which < 0; k++) {
-    if (!self->each[k].watch.any) continue;
+    if (!self->each[k].watch.any || self->to_come[k]) continue;
     if (U) PetscCall(RodPartOpenRead(self->leg.rod, k, U, &part));
     PetscCall(GrowLookForEvent(&self->each[k], t, part, event));
     if (U) PetscCall(RodPartCloseRead(self->leg.rod, k, U, &part));

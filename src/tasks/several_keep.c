@@ -137,7 +137,8 @@ PetscErrorCode RunKeep(void *ctx, HdfFile file) {
   PetscCall(NewMark(self, &now));
   PetscCall(KeepEach(self, &now));
   PetscCall(RestartKeep(&self->leg, self->t, self->leg.U, &now.state, points));
-  if (self->each[0].kept.changed) now.state.points = now.state.order = 1; /* steps begin anew */
+  if (self->bears || self->each[0].kept.changed)
+    now.state.points = now.state.order = 1; /* steps begin anew */
   PetscCall(Count(self, &now.state));
   PetscCall(WriteMark(self, file, &now, points));
   PetscCall(RunMarkEnd(&now));

@@ -49,16 +49,14 @@ PetscErrorCode RunLook(Run *self, PetscReal t, PetscBool begins) {
   self->t = t;
   if (!begins) PetscCall(TakeGives(self, t));
   if (!begins) PetscCall(FollowErrors(self));
+  if (!begins) PetscCall(RunBirths(self, t));
   for (PetscInt k = 0; k < self->n; k++) {
-    Grow *grow = &self->each[k];
-    Leg *leg = grow->now;
-    PetscCall(LegPartFollow(leg));
     if (!begins) PetscCall(RodPartOpenRead(self->leg.rod, k, self->U, &U));
     if (!begins) PetscCall(RodPartOpenRead(self->leg.rod, k, self->U_t, &U_t));
-    PetscCall(GrowObserve(grow, t, U, U_t));
+    PetscCall(RunLookAt(self, k, t, U, U_t));
     if (!begins) PetscCall(RodPartCloseRead(self->leg.rod, k, self->U_t, &U_t));
     if (!begins) PetscCall(RodPartCloseRead(self->leg.rod, k, self->U, &U));
-    times = PetscMin(times, leg->ease.times);
+    times = PetscMin(times, self->each[k].now->ease.times);
   }
   RunEaseEach(self, times);
   PetscFunctionReturn(0);
@@ -73,7 +71,7 @@ PetscErrorCode RunStoreShape(Run *self, PetscReal t, Vec U) {
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
     if (U) PetscCall(RodPartOpenRead(self->leg.rod, k, U, &part));
-    PetscCall(GrowStoreShape(&self->each[k], t, part));
+    PetscCall(RunShapeOf(self, k, t, part));
     if (U) PetscCall(RodPartCloseRead(self->leg.rod, k, U, &part));
   }
   self->stored_shape = t;

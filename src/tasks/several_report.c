@@ -50,12 +50,17 @@ PetscErrorCode RunProgress(Run *self, PetscBool last) {
 
 /* A line for each rod. */
 static PetscErrorCode TellRods(Run *self) {
-  char text[4][32], name[ROD_NAME + 2];
+  char text[4][64], name[ROD_NAME + 2];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
     const Observation *seen = &self->each[k].seen;
     const ErrorEstimate *error = &self->each[k].error;
+    if (self->to_come[k]) {
+      PetscCall(PetscPrintf(PETSC_COMM_SELF, "%s: is born at %s\n", RodsName(self->rods, k),
+                            OptionBoth(self->scene[k]->born, UNIT_TIME, text[0])));
+      continue;
+    }
     PetscCall(PetscPrintf(PETSC_COMM_SELF, "%s: length %s, tip (%s, %s, %s)",
                           RodsName(self->rods, k), OptionNumber(seen->length, text[0]),
                           OptionNumber(seen->tip_x1, text[1]), OptionNumber(seen->tip_x2, text[2]),

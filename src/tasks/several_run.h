@@ -52,6 +52,7 @@ typedef struct {
   PetscBool waits;               /* the step that was taken last does */
   PetscBool enters;              /* the stepper begins to solve */
   PetscBool over;                /* no step follows */
+  PetscBool *to_come, bears;     /* rods that are not born yet; some are with the latest step */
   PetscBool quiet, begun, ready; /* ready: what there is may be stored */
   PetscBool halved;              /* with half the cells */
   PetscInt snaps;
@@ -76,6 +77,13 @@ PetscErrorCode RunSave(Run *self, const char *path, PetscReal t, PetscReal now);
 PetscErrorCode RunRefuseEvents(Run *self);
 PetscErrorCode RunLocateEvent(Run *self, PetscReal *t);
 PetscErrorCode RunEndHere(Run *self);
+
+/* births.c */
+PetscBool RunAnyBorn(const Run *self);
+PetscErrorCode RunCheckSteps(const Run *self);
+PetscErrorCode RunBirths(Run *self, PetscReal t);
+PetscErrorCode RunLookAt(Run *self, PetscInt k, PetscReal t, Vec U, Vec U_t);
+PetscErrorCode RunShapeOf(Run *self, PetscInt k, PetscReal t, Vec U);
 
 /* several_begin.c */
 PetscErrorCode RunBegin(Run *self);

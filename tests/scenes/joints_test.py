@@ -13,54 +13,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from scene import check, expect
 
+from joined import STATIC, Several, refusal
+
 import h5py
 import numpy as np
-
-# at rest at the end
-STATIC = {"growth_type": "none", "growth_initial_length": 1, "friction_mu": 0, "friction_layers": "0:1e-2", "shape_type": "straight",
-          "rod_cells": 16, "ts_max_time": 60, "output_shapes": 1}
-
-
-class Several:
-    """What a run of several rods says: {rod: places at the end}, {rod: series}, sums."""
-
-    def __init__(self, rods, options="", name="joints", **shared):
-        self.path, self.out = (Path(scene.SCRATCH) / f"{name}.{end}" for end in ("opts", "h5"))
-        text = "".join(f"-{key} {value}\n" for key, value in (STATIC | shared).items())
-        for rod, own in rods.items():
-            text += f"[rod {rod}]\n" + "".join(f"-{key} {value}\n" for key, value in own.items())
-        self.path.write_text(text)
-        self.run("-options_file", self.path, "-output", self.out, *shlex.split(options))
-
-    def run(self, *words):
-        done = subprocess.run([scene.TENDRIL, *map(str, words), "-quiet"], capture_output=True, text=True, env=scene.ENVIRONMENT)
-        expect(done.returncode == 0 and not done.stderr, done.stderr)
-        self.read()
-
-    def read(self):
-        with h5py.File(self.out) as f:
-            first, count = f["rods/first"][:], f["rods/count"][:]
-            self.x = {name.decode(): f["shapes/x"][:, a:a + n] for name, a, n in zip(f["rods/name"][:], first, count)}
-            self.series = {name.decode(): {key: column[:, k] for key, column in f["rods/series"].items()}
-                           for k, name in enumerate(f["rods/name"][:])}
-            self.sums = {key: column[:] for key, column in f["series"].items()}
-
-    def tip(self, rod):
-        return self.x[rod][-1, -1]
-
-    def expect_told(self, rod, off):
-        """What is told of a tip that is so far off is more, and not a hundred times."""
-        told = self.series[rod]["error_tip"][-1] * np.linalg.norm(self.tip(rod) - self.x[rod][0, 0])
-        print(f"  told {told:.1e}, {told / off:.1f} times what it is off by")
-        expect(off < told < 100 * off, f"{rod}: off by {off}, told {told}")
-
-
-def refusal(text, *words):
-    path = Path(scene.SCRATCH) / "refused.opts"
-    path.write_text(text)
-    done = subprocess.run([scene.TENDRIL, "-options_file", str(path), "-ts_max_time", "0.01", *words], capture_output=True, text=True,
-                          env=scene.ENVIRONMENT)
-    return done.returncode, done.stderr.strip()
 
 
 Y = {"stem": {"clamp_direction": "0,1"},
@@ -348,7 +304,6 @@ REFUSED = [  # (lines of a scene, what is said)
     ("[rod a]\n[rod b]\n-clamp_at 0.2\n", "line 3, rod b: -clamp_at: says where on a rod, and -clamp_on says on which"),
     ("[rod a]\n[rod b]\n-clamp_on a\n-clamp_place 0,1,0\n", "line 4, rod b: -clamp_place: not with -clamp_on"),
     ("[rod a]\n[rod b]\n-clamp_azimuth 1\n", "line 3, rod b: -clamp_azimuth: is about the rod that carries this one"),
-    ("[rod a]\n-growth_type feed\n[rod b]\n-clamp_on a\n-clamp_at 0.2\n", "line 4, rod b: -clamp_on a: the material of rod a moves along it there"),
     ("[rod a]\n[rod b]\n-clamp_place 0,1,0\n-tip_on a\n", "line 4, rod b: -tip_on a: as the rods begin the tip is at"),
     ("[rod a]\n[rod b]\n-tip_on a\n-tip_force 1\n", "line 4, rod b: -tip_force: not of a tip that another rod holds"),
     ("[rod a]\n[rod b]\n-clamp_on a\n-clamp_type ball\n", "line 4, rod b: -clamp_type ball: nothing keeps the rod from spinning"),
