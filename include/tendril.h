@@ -9,7 +9,7 @@
 
   Every function returns 0 (TENDRIL_OK) or one of the codes below, and keeps a sentence for
   TendrilMessage(). None of them ends the program. Calls are collective on the simulation's ranks;
-  TendrilTime(), TendrilSeries(), TendrilSeriesName() and TendrilMessage() are not. Different
+  TendrilTime(), TendrilSeries(), TendrilRods(), names and TendrilMessage() are not. Different
   simulations may be called in any order, but not from two threads at a time: PETSc does not allow
   it.
 */
@@ -91,7 +91,8 @@ TENDRIL_API void TendrilDestroy(Tendril *simulation);
 
 /*
   TendrilSet - an option, with or without its dash: "friction_mu", "0.5". "options_file" takes the
-  options of a scene's file, one after the other; a later one wins. value NULL: true.
+  options of a scene's file, one after the other, and its rods; a later one wins. "NAME_friction_mu"
+  is that of rod NAME. value NULL: true.
 
   Once the simulation is set up only what can change in a run is taken, from the present time on, as
   docs/live.md lists it: tip_force, feed_speed, friction_factor, wall_to ... Anything else is
@@ -114,7 +115,7 @@ TENDRIL_API int TendrilSetLaw(Tendril simulation, const char *kind, TendrilLaw l
 TENDRIL_API int TendrilSetWatch(Tendril simulation, TendrilWatch watch, void *ctx);
 
 /* TendrilSetUp - reads and checks all options, and places the rod as it begins. After an error
-   options can be set anew, and it be tried again. The first step does it if nobody has. */
+   options can be set again, and it be tried again. The first step does it if nobody has. */
 TENDRIL_API int TendrilSetUp(Tendril simulation);
 
 /* TendrilStep - goes on to the end of the next accepted step. t: the time there; may be NULL. */
@@ -148,6 +149,21 @@ TENDRIL_API int TendrilNodes(Tendril simulation, int rod, int *n, const TendrilN
           TendrilDestroy(); the one of a present time within a step is there until the next call
 */
 TENDRIL_API int TendrilSeries(Tendril simulation, const char *name, int *n, const double **values);
+
+/* TendrilRodSeries - the same of one of several rods; 0: the first. TendrilSeries() has sums of
+   all, or the largest. */
+TENDRIL_API int TendrilRodSeries(Tendril simulation, int rod, const char *name, int *n,
+                                 const double **values);
+
+/* TendrilRodSeriesName - the name of the k-th series that a rod has; NULL: there are no more. */
+TENDRIL_API const char *TendrilRodSeriesName(Tendril simulation, int rod, int k);
+
+/* TendrilRods - how many rods it has; 0 before TendrilSetUp(). */
+TENDRIL_API int TendrilRods(Tendril simulation, int *n);
+
+/* TendrilRodName - what one of several rods is called; "": it is the only one; NULL: there is no
+   such rod. */
+TENDRIL_API const char *TendrilRodName(Tendril simulation, int rod);
 
 /* TendrilSeriesName - the name of the k-th series that this simulation has; NULL: there are no
  * more. */

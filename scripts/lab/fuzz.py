@@ -71,7 +71,7 @@ def plain_scene(draw, wide, laws=("uniform", "uniform", "gaussian", "feed")):
 
 def senses_scene(draw, yields=False):
     """Options by name: a rod whose material learns its natural curvature, by a few of all that it may go by, in the plane or in
-    space; yields: one in the plane whose growth feels force, and that may learn."""
+    space; yields: whose growth feels force, and that may learn."""
     o = {"growth_type": draw.choice(("uniform", "apical", "apical", "feed") if yields else
                                     ("uniform", "gaussian", "apical", "apical", "feed", "none"))}
     if o["growth_type"] == "apical":
@@ -83,7 +83,7 @@ def senses_scene(draw, yields=False):
     if draw.happens(.2) and o["friction_mu"]:
         o["friction_beta"] = draw.choice([0, draw.over_decades(1e-6, 1e-2)])
     o.update(draw.choice([{"shape_type": "straight"}, {"shape_type": "sag", "shape_amplitude": draw.over_decades(1e-3, 1)}]))
-    space = not yields and draw.happens(.4)
+    space = draw.happens(.4)
     if yields:
         o["growth_yield"] = draw.over_decades(.4, 8)
         if draw.happens(.5):

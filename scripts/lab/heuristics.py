@@ -29,7 +29,7 @@ def constants(register):
 def main():
     print("# Constants of the solver\n\nMade by `scripts/lab/heuristics.py` from the registers in the code. Each constant has one "
           "entry: what it is\nand why, what it was measured on, and a test that fails where it is another (none: those that could "
-          "see it pass; blank: not looked for).\n`scripts/lab/rules.py` and `mutations.py` look for such tests.")
+          "see it pass, or why; blank: not looked for).\n`scripts/lab/rules.py` and `mutations.py` look for such tests.")
     for register, title in REGISTERS.items():
         print(f"\n## {title}\n\n`src/{register}`")
         section = None

@@ -96,7 +96,7 @@ MUTATIONS = [
     ("highest order 5", *rule(S, "highest_order", "6", "5")),
     ("kicked, never", *rule(S, "wall_onset", "1e-4", "0")),
     ("kicked, soon", *rule(S, "wall_onset", "1e-4", "0.1")),
-    ("kick, never over", L, "if (t >= of->kick_ends) of->kick[f] = 0;", ""),
+    ("kick, never over", L, "if (t >= of->onset_ends) of->onset[f] = 0;", ""),
     ("longer than it is", L, "Reach(rod->model, of->tried) <= step_rule.reach_slack * length);", "1);"),
     ("guard, none", L, "PetscCall(GuardPasses(ts, t0, t1, U0, U1, impossible));", ""),
     ("first guess at rest", L, "PetscCall(RodGrowNodes(rod, t0, t1, nodes));", ""),
@@ -149,6 +149,10 @@ MUTATIONS = [
     ("what nothing holds may not jump", C, "self->unheld && ts", "0 && ts"),
     ("the last step, of a run that goes on", C, "PetscMin(left, end - ts->ptime)", "left"),
     ("contact never gets firm", "rod/ask.c", "    if (ContactGetsFirm(contact, deepest)) *firm = PETSC_TRUE;", "    (void)deepest;"),
+    # -- growth that feels force, in space
+    ("space yields, slide between nodes", "rod/space_yield.c", "mid_V = {.c = 0.5}", "mid_V = {.c = 0}"),
+    ("space yields, V from there", "rod/space_yield.c", "J[r][f] += slid.equations[r] * k * slope;", ";"),
+    ("space yields, bends turn V'", "rod/space_yield.c", "-of->wm * Times(FIELDS, along_mid, learned->by_bend[e][b])", "0"),
     # -- what snaps and sticking need of friction
     ("next to exact, never", "scene/scene.c", "if (self->growth->rests || self->growth->yield > 0) LoadNextToExact(&self->load);", ""),
     ("told from rest, nothing", "world/load.c", "if (load->limit) load->friction.beta = PetscMax", "if (0) load->friction.beta = PetscMax"),
@@ -171,7 +175,8 @@ MUTATIONS = [
     ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
     # -- what is changed in a run
     ("errors followed in the scene of before", "tasks/grow_changes.c", "PetscCall(EstimateSceneChanged(self->estimate));", ";"),
-    ("looked up where it was", "scene/change.c", "PetscCall(SurfacesIndexAnew(surfaces));", ";"),
+    ("looked up where it was", "scene/change.c", "asked->t, by, x));\n  PetscCall(SurfacesIndexAnew(surfaces));",
+     "asked->t, by, x));"),
     # -- what is steered, or fed by a schedule
     ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
     ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t += rate + at_t * slope;", "if (k_t) *k_t += at_t * slope;"),

@@ -25,7 +25,10 @@ class Parser(argparse.ArgumentParser):
         self.register("type", int, whole)
 
     def parse_known_args(self, args=None, namespace=None):
-        return super().parse_known_args(bound(sys.argv[1:] if args is None else args), namespace)
+        words = bound(sys.argv[1:] if args is None else args)
+        if "--output" in self._option_string_actions:  # as most programs have it, and tendril itself
+            words = ["--output" if word in ("-o", "-output") else word for word in words]
+        return super().parse_known_args(words, namespace)
 
     def error(self, message):
         self.exit(2, f"{self.prog}: {CONTROL.sub(' ', ' '.join(message.split()))}; -h says what there is\n")

@@ -195,7 +195,7 @@ def draw_photograph(ax, fit: Found, p, line, half):
     title = "no time"
     if p.abscissa:
         times, name = shown(p.at)
-        title = f"{'t' if p.abscissa == 't' else 'L'} = {times * float(p.at.numbers):.4g} {name}".rstrip()
+        title = f"${'t' if p.abscissa == 't' else 'L'}$ = {times * float(p.at.numbers):.4g} {name}".rstrip()
     ax.set_title(title, fontsize=8)
     ax.set_xlabel(labelled("$x_1$", unit))
     if ax.get_subplotspec().is_first_col():

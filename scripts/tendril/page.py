@@ -21,12 +21,12 @@ from . import page_space
 from .command import Parser
 from .errors import ResultsError, arguments, replacing
 from .loading import load, runs_of
-from .packed import moves_straight, packed, thinned
+from .packed import moves_straight, packed, packed_small, thinned
 from .pictures import colours, name_of, symbol_of
 from .results import UNCERTAIN, Results
-from .spatial import out_of_plane
+from .spatial import FIELDS, fields_of, out_of_plane
 from .style import COLOURS
-from .surroundings import axial_force, friction, pressed, size_of
+from .surroundings import friction, pressed, size_of
 from .titles import titles_of
 from .units import add_choice_of_units, in_laboratory, in_laboratory_of, laboratory_units
 from .senses import lamp
@@ -34,6 +34,7 @@ from .walls import outlines, parse
 
 WEB = Path(__file__).resolve().parent / "web"
 MOST_SHAPES, MOST_NODES, ARROWS = 300, 501, 28  # what a page holds of a run
+IN_PLANE = ("axial", "curvature", "growth")  # what the colours of a rod in the plane may show
 # (title, series, logarithmic); series that are in none get a chart of their own
 CHARTS = (
     ("distance", ("length", "end_distance", "mid_distance", "width"), False),
@@ -63,18 +64,20 @@ WHOLE = ("steps", "Newton iterations", "finished", "ended by", "error at the end
 
 
 def shapes_of(r):
-    """What moves: arrays by name, [stored time, ...], thinned to what a page holds."""
+    """What moves: arrays by name, [stored time, ...], thinned to what a page holds. "along" has the fields by name."""
     nodes, kept = thinned(len(r.shapes.s), MOST_NODES), thinned(len(r.shapes.t), MOST_SHAPES)
-    names = ["t", "x", "axial", "places", "friction"]
+    names = ["t", "x", "places", "friction"]
     names += ["touched", "contact"] if "contact" in r.shapes else []
-    table = {name: [] for name in names}
+    table, fields = {name: [] for name in names}, []
     for k in kept:
         shape = r.stored(k)
-        values = [shape.t, shape.x[nodes], axial_force(shape)[nodes], *friction(r, shape, ARROWS)]
+        values = [shape.t, shape.x[nodes], *friction(r, shape, ARROWS)]
+        fields.append(fields_of(r, shape))
         values += pressed(r, shape, ARROWS) if "contact" in table else []
         for name, value in zip(names, values):
             table[name].append(value)
-    return {name: np.asarray(rows) for name, rows in table.items()} | {"fair": moves_straight(r, kept)}
+    along = {name: np.stack([one[name] for one in fields])[:, nodes] for name in fields[0] if name in IN_PLANE}
+    return {name: np.asarray(rows) for name, rows in table.items()} | {"fair": moves_straight(r, kept), "along": along}
 
 
 def summary_of(r):
@@ -160,11 +163,21 @@ def content_of(results, titles, space, si=None):
     }
     for run, *longest in zip(content["runs"], drag, press):
         run["drag"], run["press"] = longest
+    add_fields(content, shapes)
     if space:
         page_space.add(content, results, shapes)
-    else:
-        content["strongest"] = float(max(np.abs(s["axial"]).max() for s in shapes)) or 1.0
     return content
+
+
+def add_fields(content, shapes):
+    """What colours along the rods may show."""
+    for run, shape in zip(content["runs"], shapes):
+        run["fields"] = {name: packed_small(values) for name, values in shape["along"].items()}
+        run["nodes"] = shape["x"].shape[1]
+    most = {name: max(float(np.abs(shape["along"][name]).max()) for shape in shapes if name in shape["along"])
+            for name in FIELDS if any(name in shape["along"] for shape in shapes)}
+    content["fields"] = {name: dict(zip(("label", "unit", "signed"), FIELDS[name])) | {"most": most[name]}
+                         for name in most if most[name] > 0 or name == "axial"}
 
 
 def page_of(content, title, space):

@@ -6,7 +6,7 @@ import base64
 
 import numpy as np
 
-from .packed import moves_straight, packed, packed_small, thinned
+from .packed import moves_straight, packed, thinned
 from .solids import solids
 from .spatial import FIELDS, VISIBLE, diameter_of, extent_of, fields_of, lift, turned, up_of
 from .surroundings import friction, pressed
@@ -38,19 +38,12 @@ def shapes_of(r, runs):
 def add(content, results, shapes):
     """Adds to the content of a page what there is in space only."""
     for run, r, shape in zip(content["runs"], results, shapes):
-        run["fields"] = {name: packed_small(values) for name, values in shape["along"].items()}
-        run["nodes"] = shape["x"].shape[1]
         steps = thinned(len(r.series.t), int(SERIES / len(results) / (16 / 3 * len(r.series))))
         if len(steps) < len(r.series.t):
             run["series"] = {name: packed(values[steps]) for name, values in r.series.items()}
         run["surfaces"] = [{"positions": packed(one.vertices), "index": base64.b64encode(
             np.ascontiguousarray(one.triangles, "<u4").tobytes()).decode(), "lines": [packed(line) for line in one.lines],
             "motion": {what: numbers.tolist() for what, numbers in one.motion.items()} or None} for one in solids(r)]
-    names = [name for name in FIELDS if any(name in shape["along"] for shape in shapes)]
-    most = {name: max(float(np.abs(shape["along"][name]).max()) for shape in shapes if name in shape["along"])
-            for name in names}
-    content["fields"] = {name: dict(zip(("label", "unit", "signed"), FIELDS[name])) | {"most": most[name]}
-                         for name in names if most[name] > 0 or name == "axial"}
     content["up"] = up_of(next(r for r in results if r.in_space))
     content["visible"] = VISIBLE * max(extent_of(r) for r in results)
     content["twisted"] = bool(max(np.ptp(shape["turn"]) for shape in shapes) > 0.5)

@@ -14,7 +14,7 @@ import numpy as np
 
 from .errors import TendrilError, arguments, number, whole
 from .readers import text_of_file
-from .scene_data import carried
+from .spatial import carried
 from .units import METRES, PIXELS, quantity, unit_called
 
 if TYPE_CHECKING:
@@ -231,8 +231,8 @@ def first_across(q):
 
 def write_bends(row, line, natural, slides, directory, factor, suffix):
     """The bends of a rod about axes that are carried along it without a turn about it, as a file that its options name."""
-    s, _, q, slope = line.curve
-    d2 = carried(q, first_across(q[0]))
+    s, x, q, slope = line.curve
+    d2, _ = carried(x, first_across(q[0]), q)
     bends = [-(slope * np.cross(q, d2)).sum(1) / factor, (slope * d2).sum(1) / factor]
     file = (directory / f"{line.name}.h5").resolve()
     with h5py.File(file, "w") as f:

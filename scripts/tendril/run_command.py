@@ -30,7 +30,7 @@ def split(words):
     """(words with two dashes, or none, and scene; options of tendril by name)."""
     own, options, k = [], {}, 0
     while k < len(words):
-        word = words[k]
+        word = "--output" if words[k] == "-output" else words[k]
         if word.startswith("-") and not word.startswith("--") and len(word) > 2 and not NEGATIVE.match(word):
             flag = k + 1 == len(words) or words[k + 1].startswith("-") and not NEGATIVE.match(words[k + 1])
             options[word.lstrip("-")] = "true" if flag else words[k + 1]

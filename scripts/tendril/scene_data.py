@@ -95,11 +95,11 @@ def overhand(path, radius=0.5, diameter=0.02, tail=4, longer=2.2):
     return s[-1], 2 * tail
 
 
-def carried(q, first=(0, 1, 0)):
+def carried(q):
     """A vector across, carried along tangents q without turning about them."""
-    across = [np.array(first, float)]
-    for before, tangent in zip(q, q[1:]):  # the shortest turn of one tangent into the next
-        d = across[-1] - across[-1] @ tangent / (1 + before @ tangent) * (before + tangent)
+    across = [np.array([0, 1, 0])]
+    for tangent in q[1:]:
+        d = across[-1] - (across[-1] @ tangent) * tangent
         across.append(d / np.linalg.norm(d))
     return np.array(across)
 

@@ -19,6 +19,7 @@ STYLE = {
     "xtick.top": True, "ytick.right": True, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
     "legend.frameon": False, "legend.fontsize": 8, "legend.handlelength": 1.6,
     "legend.columnspacing": 1.2, "legend.borderaxespad": 0.2, "legend.handletextpad": 0.5,
+    "axes.formatter.offset_threshold": 7,  # 0.17404 is read more easily than 4 beside a 1e-5+1.74e-1
     "axes.unicode_minus": True, "savefig.dpi": 300, "figure.dpi": 150,
     "pdf.fonttype": 42, "ps.fonttype": 42,  # journals refuse Type 3
 }

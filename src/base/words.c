@@ -65,6 +65,13 @@ void WordsFree(OptionWords *self) {
   *self = (OptionWords){0};
 }
 
+/* SectionDrop - takes the i-th option out of a section. */
+void SectionDrop(OptionSection *self, int i) {
+  free(self->option[i].name);
+  free(self->option[i].value);
+  for (self->n--; i < self->n; i++) self->option[i] = self->option[i + 1];
+}
+
 /* WordsFile - the name of the k-th options file that was read; NULL: there are no more. */
 const char *WordsFile(const OptionWords *self, int k) {
   return self->files && k < self->files->n ? self->files->word[k] : NULL;

@@ -28,6 +28,7 @@ typedef struct OptionWords {
 PetscBool WordIsOption(const char *word);
 void WordsAdd(OptionWords *words, const char *word);
 void WordsFree(OptionWords *words);
+void SectionDrop(OptionSection *section, int i);
 PetscBool WordsAddFile(OptionWords *words, const char *file, char fault[WORDS_FAULT]);
 PetscBool WordsAddText(OptionWords *words, const char *file, char *text, char fault[WORDS_FAULT]);
 

@@ -8,9 +8,8 @@ static PetscErrorCode Again(Tendril self) {
   UserCheck(!self->scene->changes || !self->scene->changes->done, self->comm,
             "no way is found in contact that gets firmer where the rod is pressed in, and what was "
             "changed in the run keeps it from beginning again: give -contact_stiffness");
-  PetscCall(GrowStartOver(self->grow));
-  PetscCall(GrowCreate(self->grow, "", ""));
-  ColumnsBegin(&self->series);
+  PetscCall(CourseStartOver(self));
+  ColumnsBegin(&self->sight[0].series);
   PetscFunctionReturn(0);
 }
 
@@ -20,7 +19,7 @@ static PetscErrorCode Finish(Tendril self) {
   PetscBool again;
 
   PetscFunctionBegin;
-  error = GrowFinish(self->grow, &again);
+  error = CourseFinish(self, &again);
   if (!error && again) {
     PetscCall(Again(self));
     PetscFunctionReturn(0);
@@ -35,15 +34,14 @@ static PetscErrorCode Finish(Tendril self) {
 /* Goes on until a step has been taken, or waits behind a time. What a run has given up on is no
    error of the call that looks at what came before it. */
 static PetscErrorCode Move(Tendril self, PetscReal until) {
-  const PetscReal before = self->grow->seen.t;
-  Grow *grow = self->grow;
+  const PetscReal before = CourseTime(self);
 
   PetscFunctionBegin;
-  while (!grow->over && grow->seen.t <= before) {
-    PetscCall(GrowStepOn(grow, until));
-    if (grow->waits) break;
+  while (!CourseIsOver(self) && CourseTime(self) <= before) {
+    PetscCall(CourseStep(self, until));
+    if (CourseWaits(self)) break;
   }
-  if (grow->over && !self->ended && !self->failed) PetscCall(Finish(self));
+  if (CourseIsOver(self) && !self->ended && !self->failed) PetscCall(Finish(self));
   PetscFunctionReturn(0);
 }
 
@@ -54,7 +52,7 @@ static int Over(Tendril self) {
 }
 
 static PetscBool IsOver(const struct Tendril_ *self) {
-  return (PetscBool)((self->ended || self->failed) && !self->grow->waits);
+  return (PetscBool)((self->ended || self->failed) && !CourseWaits(self));
 }
 
 static int StepOn(Tendril self, PetscReal until) {
@@ -66,7 +64,7 @@ static int StepOn(Tendril self, PetscReal until) {
   if (code) return code;
   do { /* a run that has begun again comes to where it was */
     error = Move(self, until);
-    self->at = self->grow->waits ? until : self->grow->seen.t;
+    self->at = CourseWaits(self) ? until : CourseTime(self);
     if (!error) error = SimulationLook(self);
   } while (!error && self->at <= before && !self->ended && !self->failed);
   if (SimulationAgree(self)) self->lost = PETSC_TRUE;
@@ -79,9 +77,9 @@ int TendrilStep(Tendril self, double *t) {
 
   if (t) *t = 0;
   if (!self) return TENDRIL_USER;
-  code = self->grow ? TENDRIL_OK : TendrilSetUp(self);
+  code = CourseIsThere(self) ? TENDRIL_OK : TendrilSetUp(self);
   if (!code) code = IsOver(self) ? Over(self) : StepOn(self, PETSC_MAX_REAL);
-  if (t && self->grow) *t = self->at;
+  if (t && CourseIsThere(self)) *t = self->at;
   return code;
 }
 
@@ -89,7 +87,7 @@ int TendrilAdvance(Tendril self, double until) {
   int code;
 
   if (!self) return TENDRIL_USER;
-  code = self->grow ? TENDRIL_OK : TendrilSetUp(self);
+  code = CourseIsThere(self) ? TENDRIL_OK : TendrilSetUp(self);
   if (code) return code;
   if (!(until >= self->at))
     return SimulationRefuse(self, TENDRIL_USER,

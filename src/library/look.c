@@ -1,5 +1,6 @@
 /* What is seen of a simulation: its time, nodes, series. */
 #include "library/simulation.h"
+#include "rod/ask.h"
 #include <stdlib.h>
 
 /* ColumnsBegin - no values any more; blocks that were told stay. */
@@ -56,89 +57,151 @@ void ColumnsFree(Columns *self) {
 
 /* Is the present time within a step, whose end waits to be looked at? */
 static PetscBool Within(const struct Tendril_ *self) {
-  return (PetscBool)(self->grow->waits && self->at > self->grow->seen.t);
+  return (PetscBool)(CourseWaits(self) && self->at > CourseTime(self));
 }
 
-/* The state and its rate at the present time; U NULL: as it begins. Borrowed from V where they are
-   between steps: the caller destroys that. */
-static PetscErrorCode State(Tendril self, Vec V[2], Vec *U, Vec *U_t) {
-  Grow *grow = self->grow;
+/* The part of a state that is rod k's, until Close(). */
+static PetscErrorCode Open(Tendril self, PetscInt k, Vec all, Vec *part) {
+  PetscFunctionBegin;
+  *part = all;
+  if (self->several && all) PetscCall(RodPartOpenRead(self->several->leg.rod, k, all, part));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode Close(Tendril self, PetscInt k, Vec all, Vec *part) {
+  PetscFunctionBegin;
+  if (self->several && all) PetscCall(RodPartCloseRead(self->several->leg.rod, k, all, part));
+  PetscFunctionReturn(0);
+}
+
+/* What is seen of a rod in a state within a step. */
+static PetscErrorCode LookWithinAt(Tendril self, PetscInt k, Vec U, Vec U_t) {
+  const Grow *grow = CourseRod(self, k);
+  Observation *here = &self->sight[k].here;
 
   PetscFunctionBegin;
-  V[0] = V[1] = *U = *U_t = NULL;
-  if (Within(self)) {
-    PetscCall(GrowWithin(grow, self->at, V, NULL));
-    *U = V[0];
-    *U_t = V[1];
-  } else if (grow->seen.t > 0) {
-    *U = grow->now->U;
-    *U_t = grow->now->newton.latest.U_t;
+  PetscCall(ObserverLookMoving(grow->observer, grow->now->rod, self->at, U, U_t, here));
+  here->energy_defect = grow->seen.energy_defect;
+  here->error_tip = grow->seen.error_tip;
+  here->error_norm_x2 = grow->seen.error_norm_x2;
+  here->error_energy = grow->seen.error_energy;
+  here->step = self->at - grow->seen.t;
+  here->model = grow->seen.model;
+  PetscCall(Put(&self->sight[k].series, here));
+  PetscFunctionReturn(0);
+}
+
+/* A row of all rods, without it counting, from that of each. */
+static PetscErrorCode PutSum(Tendril self, PetscInt row) {
+  const PetscInt n = self->rods;
+  Observation sum = {0};
+  PetscReal *of_each;
+
+  PetscFunctionBegin;
+  PetscCall(PetscMalloc1(n, &of_each));
+  for (PetscInt i = 0; i < OBSERVED; i++) {
+    for (PetscInt k = 0; k < n; k++)
+      of_each[k] =
+          OutputHolds(CourseRod(self, k)->output, i) ? self->sight[k].series.column[i][row] : NAN;
+    ((PetscReal *)&sum)[i] = SeveralSum(&self->several->file, i, of_each);
   }
+  PetscCall(PetscFree(of_each));
+  PetscCall(Put(&self->sight[n].series, &sum));
+  PetscFunctionReturn(0);
+}
+
+/* SimulationAddSum - one more row of all rods. */
+PetscErrorCode SimulationAddSum(Tendril self, PetscInt row) {
+  PetscFunctionBegin;
+  PetscCall(PutSum(self, row));
+  self->sight[self->rods].series.n++;
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode LookWithin(Tendril self) {
-  Grow *grow = self->grow;
-  Vec V[2], U, U_t;
+  Vec V[2], U, U_t, part[2];
 
   PetscFunctionBegin;
-  PetscCall(State(self, V, &U, &U_t));
-  PetscCall(ObserverLookMoving(grow->observer, grow->now->rod, self->at, U, U_t, &self->here));
-  self->here.energy_defect = grow->seen.energy_defect;
-  self->here.error_tip = grow->seen.error_tip;
-  self->here.error_norm_x2 = grow->seen.error_norm_x2;
-  self->here.error_energy = grow->seen.error_energy;
-  self->here.step = self->at - grow->seen.t;
-  self->here.model = grow->seen.model;
+  PetscCall(CourseState(self, self->at, V, &U, &U_t));
+  for (PetscInt k = 0; k < self->rods; k++) {
+    PetscCall(Open(self, k, U, &part[0]));
+    PetscCall(Open(self, k, U_t, &part[1]));
+    PetscCall(LookWithinAt(self, k, part[0], part[1]));
+    PetscCall(Close(self, k, U_t, &part[1]));
+    PetscCall(Close(self, k, U, &part[0]));
+  }
+  if (self->several) PetscCall(PutSum(self, self->sight[0].series.n));
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
   PetscFunctionReturn(0);
 }
 
 /* SimulationLook - brings up to date what is seen, behind all that moves the run. Collective. */
 PetscErrorCode SimulationLook(Tendril self) {
-  const Grow *grow = self->grow;
-  const Columns *series = &self->series;
+  const Columns *first = &self->sight[0].series;
 
   PetscFunctionBegin;
-  if (!Within(self)) {
-    self->at = grow->seen.t;
-    if (!series->n || series->column[0][series->n - 1] < grow->seen.t)
-      PetscCall(ColumnsAdd(&self->series, &grow->seen));
+  if (Within(self)) {
+    PetscCall(LookWithin(self));
     PetscFunctionReturn(0);
   }
-  PetscCall(LookWithin(self));
-  PetscCall(Put(&self->series, &self->here));
+  self->at = CourseTime(self);
+  if (first->n && first->column[0][first->n - 1] >= self->at) PetscFunctionReturn(0);
+  for (PetscInt k = 0; k < self->rods; k++)
+    PetscCall(ColumnsAdd(&self->sight[k].series, &CourseRod(self, k)->seen));
+  if (self->several) PetscCall(SimulationAddSum(self, first->n - 1));
   PetscFunctionReturn(0);
 }
 
 int TendrilTime(Tendril self, double *t) {
   if (!self) return TENDRIL_USER;
-  *t = self->grow ? self->at : 0;
+  *t = CourseIsThere(self) ? self->at : 0;
   return self->code = TENDRIL_OK;
 }
 
-/* The k-th series that this simulation has; OBSERVED: there are no more. */
-static int Which(const struct Tendril_ *self, int k) {
-  for (int i = 0; i < OBSERVED; i++)
-    if (OutputHolds(self->grow->output, i) && k-- == 0) return i;
-  return OBSERVED;
+int TendrilRods(Tendril self, int *n) {
+  if (!self) return TENDRIL_USER;
+  *n = CourseIsThere(self) ? (int)self->rods : 0;
+  return self->code = TENDRIL_OK;
+}
+
+const char *TendrilRodName(Tendril self, int rod) {
+  if (!self || !CourseIsThere(self) || rod < 0 || rod >= self->rods) return NULL;
+  return self->several ? RodsName(self->several->rods, rod) : "";
+}
+
+/* Is there this series of rod k; behind the last: of all of them? */
+static PetscBool Has(const struct Tendril_ *self, PetscInt k, int observed) {
+  return k < self->rods ? OutputHolds(CourseRod(self, k)->output, observed)
+                        : SeveralHas(&self->several->file, observed);
+}
+
+/* Where the series are that have no rod: of the only one, or of all. */
+static PetscInt Whole(const struct Tendril_ *self) {
+  return self->several ? self->rods : 0;
+}
+
+/* The k-th series that a rod has; behind the last: all of them. */
+static const char *NameOf(const struct Tendril_ *self, PetscInt rod, int k) {
+  for (int i = 0; i < OBSERVED && k >= 0; i++)
+    if (Has(self, rod, i) && k-- == 0) return observed_name[i];
+  return NULL;
 }
 
 const char *TendrilSeriesName(Tendril self, int k) {
-  const int i = self && self->grow && k >= 0 ? Which(self, k) : OBSERVED;
-
-  return i < OBSERVED ? observed_name[i] : NULL;
+  return self && CourseIsThere(self) ? NameOf(self, Whole(self), k) : NULL;
 }
 
-int TendrilSeries(Tendril self, const char *name, int *n, const double **values) {
-  if (!self) return TENDRIL_USER;
-  *n = 0;
-  *values = NULL;
-  if (!self->grow) return SimulationRefuse(self, TENDRIL_USER, "no series before TendrilSetUp()");
+const char *TendrilRodSeriesName(Tendril self, int rod, int k) {
+  if (!self || !CourseIsThere(self) || rod < 0 || rod >= self->rods) return NULL;
+  return NameOf(self, rod, k);
+}
+
+/* The series of rod k; behind the last: of all of them. */
+static int SeriesOf(Tendril self, PetscInt k, const char *name, int *n, const double **values) {
   for (int i = 0; i < OBSERVED; i++) {
-    if (!name || strcmp(name, observed_name[i]) || !OutputHolds(self->grow->output, i)) continue;
-    *n = (int)self->series.n + (Within(self) ? 1 : 0);
-    *values = self->series.column[i];
+    if (!name || strcmp(name, observed_name[i]) || !Has(self, k, i)) continue;
+    *n = (int)self->sight[k].series.n + (Within(self) ? 1 : 0);
+    *values = self->sight[k].series.column[i];
     return self->code = TENDRIL_OK;
   }
   return SimulationRefuse(self, TENDRIL_USER,
@@ -146,15 +209,49 @@ int TendrilSeries(Tendril self, const char *name, int *n, const double **values)
                           name ? name : "NULL");
 }
 
+int TendrilSeries(Tendril self, const char *name, int *n, const double **values) {
+  if (!self) return TENDRIL_USER;
+  *n = 0;
+  *values = NULL;
+  if (!CourseIsThere(self))
+    return SimulationRefuse(self, TENDRIL_USER, "no series before TendrilSetUp()");
+  return SeriesOf(self, Whole(self), name, n, values);
+}
+
+/* There is no such rod. */
+static int RefuseRod(Tendril self, int rod) {
+  if (self->rods == 1) return SimulationRefuse(self, TENDRIL_USER, "rod %d: there is one, 0", rod);
+  return SimulationRefuse(self, TENDRIL_USER, "rod %d: there are %d, from 0 on", rod,
+                          (int)self->rods);
+}
+
+int TendrilRodSeries(Tendril self, int rod, const char *name, int *n, const double **values) {
+  if (!self) return TENDRIL_USER;
+  *n = 0;
+  *values = NULL;
+  if (!CourseIsThere(self))
+    return SimulationRefuse(self, TENDRIL_USER, "no series before TendrilSetUp()");
+  return rod < 0 || rod >= self->rods ? RefuseRod(self, rod) : SeriesOf(self, rod, name, n, values);
+}
+
+/* Room for the nodes of a rod. */
+static PetscErrorCode NodeRoom(Tendril self, PetscInt n) {
+  PetscFunctionBegin;
+  if (n <= self->room) PetscFunctionReturn(0);
+  free(self->node);
+  self->node = (TendrilNode *)malloc((size_t)n * sizeof(*self->node));
+  self->room = self->node ? n : 0;
+  PetscCheck(self->node, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for nodes");
+  PetscFunctionReturn(0);
+}
+
 /* contact: at nodes and between them, in the clamp's frame; NULL: there is none. */
-static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes,
+static PetscErrorCode TakeNodes(Tendril self, const Scene scene, PetscReal t, const Node *nodes,
                                 const PetscReal (*contact)[PUSH], int *n) {
-  const Scene scene = self->scene;
   const PetscInt all = scene->mesh.cells + 1;
 
   PetscFunctionBegin;
-  if (!self->node) self->node = (TendrilNode *)malloc((size_t)all * sizeof(*self->node));
-  PetscCheck(self->node, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for nodes");
+  PetscCall(NodeRoom(self, all));
   for (PetscInt i = 0; i < all; i++) {
     TendrilNode *to = &self->node[i];
     PetscReal about[3];
@@ -176,19 +273,24 @@ static PetscErrorCode TakeNodes(Tendril self, PetscReal t, const Node *nodes,
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode GatherNodes(Tendril self, int *n) {
-  const PetscReal law = self->scene->contact.time;
+static PetscErrorCode GatherNodes(Tendril self, PetscInt rod, int *n) {
+  Grow *grow = CourseRod(self, rod);
+  const Scene scene = grow->scene;
+  const PetscReal law = scene->contact.time;
   const PetscReal(*contact)[PUSH] = NULL;
-  Grow *grow = self->grow;
+  Vec V[2], U, U_t, part[2];
   const Node *nodes;
-  Vec V[2], U, U_t;
 
   PetscFunctionBegin;
-  PetscCall(State(self, V, &U, &U_t));
-  PetscCall(ObserverGather(grow->observer, grow->now->rod, self->at, U, U_t, &nodes));
+  PetscCall(CourseState(self, self->at, V, &U, &U_t));
+  PetscCall(Open(self, rod, U, &part[0]));
+  PetscCall(Open(self, rod, U_t, &part[1]));
+  PetscCall(ObserverGather(grow->observer, grow->now->rod, self->at, part[0], part[1], &nodes));
   if (nodes) PetscCall(ObserverContact(grow->observer, self->at, nodes, &contact));
-  if (nodes) PetscCall(TakeNodes(self, self->at, nodes, contact, n));
-  if (law > PETSC_MIN_REAL) PetscCall(SceneContactAt(self->scene, law));
+  if (nodes) PetscCall(TakeNodes(self, scene, self->at, nodes, contact, n));
+  PetscCall(Close(self, rod, U_t, &part[1]));
+  PetscCall(Close(self, rod, U, &part[0]));
+  if (law > PETSC_MIN_REAL) PetscCall(SceneContactAt(scene, law));
   for (int k = 0; k < 2; k++) PetscCall(VecDestroy(&V[k]));
   PetscFunctionReturn(0);
 }
@@ -201,13 +303,13 @@ int TendrilNodes(Tendril self, int rod, int *n, const TendrilNode **nodes) {
   *nodes = NULL;
   code = SimulationEnter(self);
   if (code) return code;
-  if (!self->grow || rod) {
+  if (!CourseIsThere(self) || rod < 0 || rod >= self->rods) {
     (void)SimulationLeave(self, error);
-    return SimulationRefuse(self, TENDRIL_USER,
-                            rod ? "rod %d: there is one, 0" : "no nodes before TendrilSetUp()",
-                            rod);
+    return CourseIsThere(self)
+               ? RefuseRod(self, rod)
+               : SimulationRefuse(self, TENDRIL_USER, "no nodes before TendrilSetUp()");
   }
-  error = GatherNodes(self, n);
+  error = GatherNodes(self, rod, n);
   *nodes = *n ? self->node : NULL;
   return SimulationLeave(self, error);
 }

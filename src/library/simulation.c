@@ -1,6 +1,5 @@
 /* A simulation: created, told what it is, set up, destroyed. */
 #include "library/simulation.h"
-#include "tasks/single.h"
 #include <ctype.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -62,6 +61,7 @@ PetscErrorCode SimulationAgree(Tendril self) {
 int SimulationLeave(Tendril self, PetscErrorCode error) {
   const OwnLaw *law = FailedLaw(self);
 
+  if (self->several && self->several->rods && RodsLeave(self->several->rods)) error = PETSC_ERR_LIB;
   if (OptionsLeave()) error = PETSC_ERR_LIB;
   if (ErrorsEnd()) error = PETSC_ERR_LIB;
   self->inside = 0;
@@ -115,25 +115,26 @@ int TendrilCreateFortran(int comm, Tendril *simulation) {
   return TendrilCreate(comm < 0 ? MPI_COMM_SELF : MPI_Comm_f2c(comm), simulation);
 }
 
-static PetscErrorCode MakeRun(Tendril self) {
-  Single asked;
+/* Frees what is seen of the rods. */
+static void FreeSights(Tendril self) {
+  for (PetscInt k = 0; self->sight && k <= self->rods; k++) ColumnsFree(&self->sight[k].series);
+  free(self->sight);
+  self->sight = NULL;
+}
 
+static PetscErrorCode MakeRun(Tendril self) {
   PetscFunctionBegin;
-  PetscCall(SingleScene(TASK_GROW, "", &asked, &self->scene));
-  PetscCall(PetscNew(&self->grow));
-  self->grow->scene = self->scene;
-  self->grow->by_steps = PETSC_TRUE;
-  PetscCall(GrowCreate(self->grow, "", asked.restart));
-  PetscCall(GrowHeading(self->grow));
+  PetscCall(CourseBegin(self));
+  self->sight = (Sight *)calloc((size_t)self->rods + 1, sizeof(*self->sight));
+  PetscCheck(self->sight, PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for series");
   PetscFunctionReturn(0);
 }
 
 /* Takes the run away. */
 static PetscErrorCode EndRun(Tendril self) {
   PetscFunctionBegin;
-  if (self->grow) PetscCall(GrowDestroy(self->grow));
-  PetscCall(PetscFree(self->grow));
-  if (self->scene) PetscCall(SceneDestroy(&self->scene));
+  PetscCall(CourseEnd(self));
+  FreeSights(self);
   PetscFunctionReturn(0);
 }
 
@@ -150,7 +151,7 @@ void TendrilDestroy(Tendril *simulation) {
     (void)ErrorsEnd();
   }
   if (!ended && self->comm != MPI_COMM_NULL) MPI_Comm_free(&self->comm);
-  ColumnsFree(&self->series);
+  FreeSights(self);
   WordsFree(&self->given);
   WordsFree(&self->line.taken);
   free(self->node);
@@ -180,7 +181,7 @@ static PetscErrorCode CheckName(Tendril self, const char *name) {
                                         : "");
   UserCheck(strcmp(name, "-sensitivity"), self->comm, "%s: is of the program, not of a simulation",
             name);
-  if (!OptionFind(name)) PetscCall(OptionsRefuseStrange(name));
+  if (!OptionFind(name) && !self->line.taken.sections) PetscCall(OptionsRefuseStrange(name));
   PetscFunctionReturn(0);
 }
 
@@ -201,9 +202,6 @@ static PetscErrorCode TakeFile(Tendril self, const char *file) {
   PetscFunctionBegin;
   UserCheck(file && WordsAddFile(taken, file, fault), self->comm, "%s",
             file ? fault : "-options_file: give the name of a file");
-  UserCheck(!taken->sections, self->comm,
-            "-options_file %s, line %d: [%s]: a simulation has one rod; the program runs several",
-            taken->section[0].file, taken->section[0].line, taken->section[0].head);
   for (int i = before; i < taken->n; i++) {
     const char *name = taken->word[i];
     const PetscBool value = (PetscBool)(i + 1 < taken->n && !WordIsOption(taken->word[i + 1]));
@@ -232,13 +230,13 @@ int TendrilSet(Tendril self, const char *option, const char *value) {
 
   if (code) return code;
   NameOf(option ? option : "", name);
-  return SimulationLeave(self, self->grow ? SimulationChange(self, name, value)
-                                          : Take(self, name, value));
+  return SimulationLeave(self, CourseIsThere(self) ? SimulationChange(self, name, value)
+                                                   : Take(self, name, value));
 }
 
 int TendrilSetLaw(Tendril self, const char *kind, TendrilLaw law, void *ctx) {
   if (!self) return TENDRIL_USER;
-  if (self->grow)
+  if (CourseIsThere(self))
     return SimulationRefuse(self, TENDRIL_USER,
                             "a law cannot be set once the simulation is set up");
   for (int k = 0; k < OWN_LAWS; k++)
@@ -265,14 +263,14 @@ static int SetUp(Tendril self, const char *restart) {
   int code = SimulationEnter(self);
 
   if (code) return code;
-  if (self->grow) {
+  if (CourseIsThere(self)) {
     (void)SimulationLeave(self, error);
     return SimulationRefuse(self, TENDRIL_USER, "the simulation is set up already");
   }
   self->errors.reading = PETSC_TRUE;
   if (restart) error = PetscOptionsSetValue(self->options, "-restart", restart);
   if (!error) error = MakeRun(self);
-  if (!error && self->grow->start > 0) error = SimulationTakeRows(self);
+  if (!error && CourseStart(self) > 0) error = SimulationTakeRows(self);
   if (!error) error = SimulationLook(self);
   self->errors.reading = PETSC_FALSE;
   code = SimulationLeave(self, error);

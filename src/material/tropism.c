@@ -190,15 +190,15 @@ void TropismLamp(const Tropism *self, const PetscReal x[3], PetscReal pull[3],
 
 /* TropismDriveAt - TropismDrive() of a place, that goes by a signal unless it senses for itself,
    and at once. */
-PetscReal TropismDriveAt(const Tropism *self, const TropismPlace *at, int bend, PetscReal t,
-                         PetscReal signal, PetscReal u0, PetscReal elastic) {
+PetscReal TropismDriveAt(const Tropism *self, const Place *at, int bend, PetscReal signal,
+                         PetscReal u0, PetscReal elastic) {
   PetscReal pull[3], f = signal;
 
   if (self->senses && !self->at_tip && self->memory == 0) {
     TropismPull(self, at->x, pull, NULL);
     f = TropismSensed(at, bend, pull);
   }
-  return TropismDrive(self, f, u0, elastic, TropismNutation(self, bend, t));
+  return TropismDrive(self, f, u0, elastic, TropismNutation(self, bend, at->t));
 }
 
 /* TropismNearLamp - how near a way from one place straight to another comes to the lamp;

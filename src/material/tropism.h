@@ -3,6 +3,7 @@
 #ifndef TENDRIL_TROPISM_H
 #define TENDRIL_TROPISM_H
 
+#include "curve/place.h"
 #include "material/growth.h"
 
 enum { TROPISM_BENDS = 2 }; /* about d3, that of the plane, and about d2 */
@@ -24,19 +25,14 @@ typedef struct {
   const char *why;          /* the option that takes the rod out of the plane; NULL: none */
 } Tropism;
 
-/* A place that senses, d2 and d3 its axes; in the plane x3, and all along e3, is 0. */
-typedef struct {
-  PetscReal x[3], d2[3], d3[3];
-} TropismPlace;
-
 extern const OptionGroup tropism_options;
 
 PetscErrorCode TropismSetFromOptions(Tropism *tropism, Growth growth);
 void TropismFrame(Tropism *tropism, const PetscReal lab[3][3], const PetscReal place[3]);
 PetscErrorCode TropismChange(Tropism *tropism, const char *name, const PetscReal lab[3][3],
                              const PetscReal place[3], PetscBool space);
-PetscReal TropismDriveAt(const Tropism *tropism, const TropismPlace *at, int bend, PetscReal t,
-                         PetscReal signal, PetscReal u0, PetscReal elastic);
+PetscReal TropismDriveAt(const Tropism *tropism, const Place *at, int bend, PetscReal signal,
+                         PetscReal u0, PetscReal elastic);
 PetscReal TropismNearLamp(const Tropism *tropism, const PetscReal from[3], const PetscReal to[3]);
 
 /* Does the material bend by itself at all? (Beside growth that feels force `any` holds without.) */
@@ -75,8 +71,8 @@ static inline void TropismPull(const Tropism *tropism, const PetscReal x[3], Pet
 }
 
 /* What is sensed along d3, pull.d2, and along d2, -pull.d3. */
-static inline PetscReal TropismSensed(const TropismPlace *at, int bend, const PetscReal pull[3]) {
-  const PetscReal *d = bend ? at->d3 : at->d2;
+static inline PetscReal TropismSensed(const Place *at, int bend, const PetscReal pull[3]) {
+  const PetscReal *d = at->axes[bend ? 2 : 1];
   const PetscReal along = pull[0] * d[0] + pull[1] * d[1] + pull[2] * d[2];
 
   return bend ? -along : along;

@@ -69,7 +69,7 @@ static Integral IntegralOverEnergy(PetscInt n, const PetscReal time[], const Pet
 
 /* The integral of f over the last interval: over the energy, NULL: not; nor where f itself is
    nearer to a polynomial, of which a point less says more nearly the same: powers of a rod that is
-   led, say. Behind a kink, where steps begin anew and double, a polynomial through points on both
+   led, say. Behind a kink, where steps begin again and double, a polynomial through points on both
    sides may go anywhere between the last two: then through fewer points, down to the chord. */
 static Integral LastInterval(PetscInt n, const PetscReal time[], const PetscReal f[],
                              const PetscReal energy[]) {

@@ -21,7 +21,7 @@ static const OptionRow rows[] = {
         "-stop_stall", "", 0, 1, UNIT_NONE, EVENT,
         "ends the run when growth that feels force (-growth_yield) is slowed down to this part "
         "of its speed without; off unless given")};
-const OptionGroup event_options = OPTION_GROUP("Events", rows);
+const OptionGroup event_options = OPTION_GROUP_OF_ROD("Events", rows);
 
 const char *const event_name[EVENT_KINDS] = {"none",    "self_contact", "length", "angle",
                                              "contact", "force",        "stall"};
@@ -52,7 +52,7 @@ PetscErrorCode WatchSetFromOptions(Watch *watch, Scene scene) {
             "-stop_stall: this growth feels no force, and never stalls; give -growth_yield");
   PetscCall(OptionBool("-stop_contact", &watch->watched[EVENT_CONTACT], NULL));
   UserCheck(!watch->watched[EVENT_CONTACT] || scene->contact.any, OptionsComm(),
-            "-stop_contact: there is nothing to touch; give -wall_file, or -contact_self");
+            "-stop_contact: there is nothing to touch; %s", ContactRemedy());
   for (int k = 0; k < EVENT_KINDS; k++) watch->any = (PetscBool)(watch->any || watch->watched[k]);
   PetscFunctionReturn(0);
 }

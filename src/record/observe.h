@@ -1,4 +1,4 @@
-/* What is measured on a rod after each step: norms, energies, distances, folds. */
+/* What is measured on a rod after each step: norms, energies, distances, e-foldings. */
 #ifndef TENDRIL_OBSERVE_H
 #define TENDRIL_OBSERVE_H
 

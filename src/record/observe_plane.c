@@ -17,16 +17,13 @@ typedef struct {
 
 /* What the material at a sample has learned, and how fast that changes; beside the natural
    curvature that is given. */
-static void SampleLearned(Scene scene, PetscReal s, PetscReal t, Sample *p) {
+static void SampleLearned(Scene scene, Sample *p) {
   const Tropism *law = &scene->tropism;
-  const PetscReal clock = TropismClock(law, scene->growth, s, t, p->g, p->g_t),
+  const PetscReal clock = TropismClock(law, scene->growth, p->at.s, p->at.t, p->g, p->g_t),
                   elastic = p->node.moment / p->B;
-  const TropismPlace at = {.x = {p->node.x[0], p->node.x[1], 0},
-                           .d2 = {-PetscSinReal(p->node.theta), PetscCosReal(p->node.theta), 0},
-                           .d3 = {0, 0, 1}};
 
   p->k0 += p->learned->bend[0];
-  p->drive = clock * TropismDriveAt(law, &at, 0, t, p->learned->signal[0], p->k0, elastic);
+  p->drive = clock * TropismDriveAt(law, &p->at, 0, p->learned->signal[0], p->k0, elastic);
   p->ironing = clock * law->ironing * elastic;
 }
 
@@ -39,14 +36,13 @@ static PetscErrorCode SampleFill(Scene scene, PetscReal s, PetscReal t, Sample *
   p->strain = GrowthStrain(growth, s, t, p->g_t);
   PetscCall(SceneCurvature(scene, s, t, &p->k0, &p->k0_t));
   PetscCall(SceneStiffness(scene, s, t, &p->B, &p->B_t));
-  if (scene->tropism.any) SampleLearned(scene, s, t, p);
-  p->at.t = t;
-  p->q = (Vector2){PetscCosReal(p->node.theta), PetscSinReal(p->node.theta)};
+  PetscCall(ScenePlace(scene, s, t, &p->at));
+  p->q = Direction2(p->node.theta);
   p->v = Along2(From2(p->node.x_t), p->c, p->q);
-  Put2(p->q, p->at.q);
+  PlaceTurn2(p->q, &p->at);
   Put2(From2(p->node.x), p->at.x);
   Put2(p->v, p->at.v);
-  p->at.x[2] = 0;
+  if (scene->tropism.any) SampleLearned(scene, p);
   LoadSeen(2, &scene->load, &p->at, p->F);
   PetscFunctionReturn(0);
 }
@@ -201,7 +197,7 @@ PetscErrorCode ObservePlane(Scene scene, PetscReal t, PetscInt first, PetscInt e
                             PetscInt n, const TouchFeet *feet, PetscReal lift, Observation *seen) {
   PetscInt nodes;
   const PetscReal *s = SceneLabels(scene, &nodes);
-  Sample a, b, mid;
+  Sample a, b = {.g = 0}, mid;
 
   PetscFunctionBegin;
   PetscCall(SampleNode(scene, s[first], t, node, push ? push[2 * first] : NULL, &b));

@@ -8,7 +8,7 @@
 
 /* What a length of material costs: n.d1 + (u - u0).S(u - u0)/2 + u0.S(u - u0). */
 static PetscReal Tension3(const Sample3 *p) {
-  PetscReal sum = Dot3(p->node.force, p->d[0]);
+  PetscReal sum = Dot3(p->node.force, p->at.axes[0]);
   for (int k = 0; k < 3; k++) sum += p->moment[k] * (p->moment[k] / p->law.S[k] / 2 + p->law.u0[k]);
   return sum;
 }
@@ -16,10 +16,10 @@ static PetscReal Tension3(const Sample3 *p) {
 /* The rate of the writhe along the rod, in turns (Fuller's, against the clamp's axis e1):
    (e1 x d1).d1' / (2 pi (1 + e1.d1)),  d1' = u3 d2 - u2 d3. */
 static PetscReal WritheRate(const Sample3 *p) {
-  const PetscReal *q = p->d[0];
+  const PetscReal *q = p->at.axes[0];
   PetscReal bend[3];
 
-  for (int i = 0; i < 3; i++) bend[i] = p->u[2] * p->d[1][i] - p->u[1] * p->d[2][i];
+  for (int i = 0; i < 3; i++) bend[i] = p->u[2] * p->at.axes[1][i] - p->u[1] * p->at.axes[2][i];
   return Cross2(From2(q + 1), From2(bend + 1)) / (2 * PETSC_PI * PetscMax(1e-12, 1 + q[0]));
 }
 
@@ -92,7 +92,7 @@ static void Omega(const Sample3 *p, PetscReal c, PetscReal omega[3]) {
   for (int i = 0; i < 3; i++) {
     omega[i] = 0;
     for (int k = 0; k < 3; k++)
-      omega[i] += p->d[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + c * p->u[k]);
+      omega[i] += p->at.axes[k][i] * (2 / QuaternionSize(p->node.p) * turn[1 + k] + c * p->u[k]);
   }
 }
 
@@ -176,7 +176,7 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
   PetscFunctionBegin;
   b.node = node[0];
   b.push = push ? push[2 * first] : NULL;
-  SampleFill3(scene, t, law, &b);
+  PetscCall(SampleFill3(scene, s[first], t, law, &b));
   if (!first) MeasureClamp3(scene, &b, seen);
   for (PetscInt i = first; i < end; i++, law += 2) {
     const PetscReal(*load)[FOOT_LOAD] = NULL, h = s[i + 1] - s[i];
@@ -185,7 +185,7 @@ PetscErrorCode ObserveSpace(Scene scene, PetscReal t, PetscInt first, PetscInt e
     a = b;
     b.node = node[i + 1 - first];
     b.push = push ? push[2 * i + 2] : NULL;
-    SampleFill3(scene, t, law + 2, &b);
+    PetscCall(SampleFill3(scene, s[i + 1], t, law + 2, &b));
     PetscCall(SampleMid3(scene, s[i], s[i + 1], t, law + 1, &a, &b, load, &mid));
     Integrate3(scene, &a, h / 6, seen);
     Integrate3(scene, &mid, 4 * h / 6, seen);

@@ -130,14 +130,14 @@ static const char *ValueIn(const char *lines, const char *name) {
 }
 
 /* Was an option given to this run, other than the earlier one began with? */
-static PetscErrorCode GivenAnew(const char *lines, const char *name, const char *now,
-                                PetscBool *anew) {
+static PetscErrorCode GivenAgain(const char *lines, const char *name, const char *now,
+                                 PetscBool *again) {
   const char *began = ValueIn(lines, name), *said = OptionSaid(name);
 
   PetscFunctionBegin;
   if (!said) said = now;
-  *anew = (PetscBool)(said[0] && (!began || strcspn(began, "\n") != strlen(said) ||
-                                  strncmp(began, said, strlen(said)) != 0));
+  *again = (PetscBool)(said[0] && (!began || strcspn(began, "\n") != strlen(said) ||
+                                   strncmp(began, said, strlen(said)) != 0));
   PetscFunctionReturn(0);
 }
 
@@ -145,16 +145,16 @@ static PetscErrorCode GivenAnew(const char *lines, const char *name, const char 
    an option that is given now. */
 static PetscErrorCode Again(Scene scene, const char *lines, const ChangeRow *row) {
   char name[128], began[PETSC_MAX_PATH_LEN] = "";
-  PetscBool option, anew = PETSC_FALSE;
+  PetscBool option, again = PETSC_FALSE;
 
   PetscFunctionBegin;
   (void)snprintf(name, sizeof(name), "-%s", row->what);
   option = (PetscBool)(SceneChangedOption(name) != NULL);
   if (option) {
     PetscCall(PetscOptionsGetString(NULL, NULL, name, began, sizeof(began), NULL));
-    PetscCall(GivenAnew(lines, name, began, &anew));
+    PetscCall(GivenAgain(lines, name, began, &again));
   }
-  if (anew) PetscFunctionReturn(0);
+  if (again) PetscFunctionReturn(0);
   if (option) PetscCall(PetscOptionsSetValue(NULL, name, row->value));
   PetscCall(SceneChange(scene, name, row->value, row->t));
   if (option) PetscCall(OptionPut(name, began));
@@ -164,20 +164,26 @@ static PetscErrorCode Again(Scene scene, const char *lines, const ChangeRow *row
 /*
   RestartChange - does again what was changed in the earlier run, but for a later end, with which
   the options have it already. After all that follows from the scene as the run began. Collective.
+
+  rod  which of several; NULL: there is one
 */
-PetscErrorCode RestartChange(const char *file, Scene scene) {
+PetscErrorCode RestartChange(const char *file, const char *rod, Scene scene) {
   Changes changes;
-  char *lines;
+  char name[96], *lines;
 
   PetscFunctionBegin;
-  PetscCall(ChangesTake(file, &scene->changes));
+  (void)snprintf(name, sizeof(name), rod ? "/rods/of/%s/changes" : "changes", rod);
+  PetscCall(ChangesTake(file, name, &scene->changes));
   changes = scene->changes;
-  PetscCall(HdfReadText("-restart", file, "options", &lines));
+  if (rod)
+    PetscCall(OptionsList(&lines));
+  else
+    PetscCall(HdfReadText("-restart", file, "options", &lines));
   for (PetscInt k = 0; changes && k < changes->done; k++)
     if (strcmp(changes->row[k].what, "ts_max_time") != 0)
       PetscCall(Again(scene, lines, &changes->row[k]));
   PetscCall(PetscFree(lines));
-  PetscCall(CheckLength(file, scene, scene->comm));
+  if (!rod) PetscCall(CheckLength(file, scene, scene->comm));
   PetscFunctionReturn(0);
 }
 
@@ -185,7 +191,7 @@ PetscErrorCode RestartChange(const char *file, Scene scene) {
   RestartRead - reads what is stored to go on from, and makes the scene that of the file.
   Collective.
 
-  begun  false if the earlier run had not taken a step: state is then not set, the run begins anew
+  begun  false if the earlier run had not taken a step: state is then not set, the run begins again
 */
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun) {
   const MPI_Comm comm = scene->comm;
@@ -293,8 +299,8 @@ PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg
   PetscCall(OptionGiven("-ts_dt", &given));
   if (!given) PetscCall(TSSetTimeStep(leg->ts, state->step));
   PetscCall(TSSetStepNumber(leg->ts, (PetscInt)state->steps));
-  PetscCall(PetscArraycpy(leg->of->kick, state->kick, RESTART_KICKS));
-  leg->of->kick_ends = state->kick_ends;
+  PetscCall(PetscArraycpy(leg->of->onset, state->kick, RESTART_KICKS));
+  leg->of->onset_ends = state->kick_ends;
   leg->ease.times = PetscMin(state->ease, leg->ease.most);
   leg->ease.wants = PetscMin(state->wants, leg->ease.most);
   leg->ease.others = state->others;
@@ -360,8 +366,8 @@ PetscErrorCode RestartKeep(Leg *leg, PetscReal t, Vec latest, RestartState *stat
   PetscCall(TSGetTimeStep(leg->ts, &state->step));
   PetscCall(TSGetStepNumber(leg->ts, &steps));
   PetscCall(VBDFGetMemory(leg->ts, state->memory));
-  PetscCall(PetscArraycpy(state->kick, leg->of->kick, RESTART_KICKS));
-  state->kick_ends = leg->of->kick_ends;
+  PetscCall(PetscArraycpy(state->kick, leg->of->onset, RESTART_KICKS));
+  state->kick_ends = leg->of->onset_ends;
   state->wants = leg->ease.wants;
   state->ease = leg->ease.times;
   state->others = leg->ease.others;

@@ -17,44 +17,40 @@ PetscErrorCode SampleLaws(Scene scene, PetscReal t, PetscInt first, PetscInt end
 }
 
 /* What follows at a point from its node and the laws, but for friction. */
-static void Fill(PetscReal t, const SampleLaw *law, Sample3 *p) {
+static PetscErrorCode Fill(Scene scene, PetscReal s, PetscReal t, const SampleLaw *law,
+                           Sample3 *p) {
   const Node *node = &p->node;
   PetscReal size = QuaternionSize(node->p);
 
+  PetscFunctionBegin;
+  PetscCall(ScenePlace(scene, s, t, &p->at));
   p->law = *law;
-  Directors(node->p, size, p->d);
+  Directors(node->p, size, p->at.axes);
   for (int k = 0; k < 3; k++) {
-    p->moment[k] = Dot3(p->d[k], node->m3);
+    p->moment[k] = Dot3(p->at.axes[k], node->m3);
     p->u[k] = p->moment[k] / p->law.S[k] + p->law.u0[k];
   }
   p->turns = QuaternionSpin(node->p, size, node->p_t);
-  p->at.t = t;
   for (int k = 0; k < 3; k++) {
     p->at.x[k] = node->x[k];
-    p->at.q[k] = p->d[0][k];
-    p->at.v[k] = node->x_t[k] + p->law.c * p->d[0][k];
+    p->at.v[k] = node->x_t[k] + p->law.c * p->at.axes[0][k];
   }
+  PetscFunctionReturn(0);
 }
 
 /* What the material at a point has learned, beside the natural strains that are
    given, and how fast that changes; before what follows from strains. */
-static void Learned3(Scene scene, PetscReal t, const NodeLearned *learned, Sample3 *p) {
+static void Learned3(Scene scene, const NodeLearned *learned, Sample3 *p) {
   const Tropism *law = &scene->tropism;
   const PetscReal clock = law->by_rate ? law->rate : p->law.strain / p->law.g;
-  TropismPlace at;
 
-  for (int d = 0; d < 3; d++) {
-    at.x[d] = p->node.x[d];
-    at.d2[d] = p->d[1][d];
-    at.d3[d] = p->d[2][d];
-  }
   p->drive[0] = p->ironing[0] = 0;
   for (int b = 0; b < TROPISM_BENDS; b++) {
     const int k = 2 - b;
     const PetscReal elastic = p->moment[k] / p->law.S[k];
     p->law.u0[k] += learned->bend[b];
     p->u[k] = elastic + p->law.u0[k];
-    p->drive[k] = clock * TropismDriveAt(law, &at, b, t, learned->signal[b], p->law.u0[k], elastic);
+    p->drive[k] = clock * TropismDriveAt(law, &p->at, b, learned->signal[b], p->law.u0[k], elastic);
     p->ironing[k] = clock * law->ironing * elastic;
   }
 }
@@ -67,10 +63,13 @@ static void Rub(Scene scene, Sample3 *p) {
 }
 
 /* SampleFill3 - what follows at a point from its node and the laws. */
-void SampleFill3(Scene scene, PetscReal t, const SampleLaw *law, Sample3 *p) {
-  Fill(t, law, p);
-  if (scene->tropism.any) Learned3(scene, t, p->node.learned, p);
+PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, const SampleLaw *law,
+                           Sample3 *p) {
+  PetscFunctionBegin;
+  PetscCall(Fill(scene, s, t, law, p));
+  if (scene->tropism.any) Learned3(scene, p->node.learned, p);
   Rub(scene, p);
+  PetscFunctionReturn(0);
 }
 
 /* Adds what an end of a cell gives to its middle, y_mid = (y_a + y_b)/2 + k (y'_a - y'_b); turns:
@@ -78,7 +77,7 @@ void SampleFill3(Scene scene, PetscReal t, const SampleLaw *law, Sample3 *p) {
 static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscReal k, Node *mid,
                    PetscReal *turns) {
   const Node *n = &p->node;
-  const PetscReal *q = p->d[0];
+  const PetscReal *q = p->at.axes[0];
   const PetscReal none[PUSH] = {0}, *push = p->push ? p->push : none;
   PetscReal turn[4], size = QuaternionSize(n->p), D[3][4], d1_t[3];
 
@@ -99,9 +98,9 @@ static void AddEnd(Scene scene, const Sample3 *p, const TwistRate *rate, PetscRe
     mid->force[i] +=
         CurveMidOf(k * p->law.g, n->force[i], p->F[i] - push[i] - scene->load.weight[i]);
   }
-  *turns += CurveMidOf(
-      k, p->turns,
-      SpinSlope(p->law.g, p->law.g_t, rate, 1 / p->law.S[0], p->d, p->u, n->m3, n->m3_t, d1_t));
+  *turns += CurveMidOf(k, p->turns,
+                       SpinSlope(p->law.g, p->law.g_t, rate, 1 / p->law.S[0], p->at.axes, p->u,
+                                 n->m3, n->m3_t, d1_t));
 }
 
 /* SampleMid3 - the point in the middle of the cell between two, with no push yet. feet: what they
@@ -125,8 +124,8 @@ PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
     mid->node.force[i] += h / 8 * (feet[AT_A][i] - feet[AT_B][i]);
     mid->node.m3[i] += h / 8 * (feet[AT_A][3 + i] - feet[AT_B][3 + i]);
   }
-  Fill(t, law, mid);
-  if (scene->tropism.any) Learned3(scene, t, a->node.learned + 1, mid);
+  PetscCall(Fill(scene, (sa + sb) / 2, t, law, mid));
+  if (scene->tropism.any) Learned3(scene, a->node.learned + 1, mid);
   if (feels) mid->turns = turns;
   Rub(scene, mid);
   PetscFunctionReturn(0);

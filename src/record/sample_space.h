@@ -14,15 +14,16 @@ typedef Material SampleLaw; /* what the laws give at a point */
 typedef struct {
   Node node;
   SampleLaw law;
-  PetscReal d[3][3], moment[3], u[3]; /* directors; moment and strains about them */
-  PetscReal turns, spin, F[RUBS];     /* spin of the directors, of the material; load of friction */
+  PetscReal moment[3], u[3]; /* moment and strains about the directors, which are axes of */
+  Place at;
+  PetscReal turns, spin, F[RUBS]; /* spin of the directors, of the material; load of friction */
   PetscReal drive[3], ironing[3]; /* Dk/Dt of what its material has learned, and that by ironing */
   const PetscReal *push;          /* of contact, per length; NULL: none */
-  Place at;
 } Sample3;
 
 PetscErrorCode SampleLaws(Scene scene, PetscReal t, PetscInt first, PetscInt end, SampleLaw law[]);
-void SampleFill3(Scene scene, PetscReal t, const SampleLaw *law, Sample3 *sample);
+PetscErrorCode SampleFill3(Scene scene, PetscReal s, PetscReal t, const SampleLaw *law,
+                           Sample3 *sample);
 PetscErrorCode SampleMid3(Scene scene, PetscReal sa, PetscReal sb, PetscReal t,
                           const SampleLaw *law, const Sample3 *a, const Sample3 *b,
                           const PetscReal (*feet)[FOOT_LOAD], Sample3 *mid);

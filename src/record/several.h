@@ -36,6 +36,10 @@ PetscErrorCode SeveralTouch(Several *self, PetscInt n, const StrandPlace place[]
 PetscErrorCode SeveralBegin(Several *self);
 PetscBool SeveralDue(const Several *self);
 PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished);
+PetscErrorCode SeveralSave(Several *self, const char *path, PetscReal t, PetscBool finished);
+void SeveralDropShape(Several *self);
+PetscBool SeveralHas(const Several *self, PetscInt observed);
+PetscReal SeveralSum(const Several *self, PetscInt observed, const PetscReal of_each[]);
 PetscErrorCode SeveralTake(Several *self, const char *from, PetscReal t, PetscReal interval);
 PetscErrorCode SeveralLabels(const char *from, PetscInt k, Scene scene);
 PetscErrorCode SeveralEnd(Several *self);

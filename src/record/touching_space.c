@@ -7,8 +7,8 @@ static const PetscReal rest[3] = {0};
 /* A spot that stands for this much of s. */
 static WallSpot SpotOf(const Sample3 *sample, PetscReal s, PetscReal weight, PetscBool moves) {
   const Place *place = &sample->at;
-  WallSpot spot = {.at = {place->x, place->q, moves ? place->v : rest, moves ? sample->spin : 0},
-                   .s = s};
+  WallSpot spot = {
+      .at = {place->x, place->axes[0], moves ? place->v : rest, moves ? sample->spin : 0}, .s = s};
 
   spot.length = sample->law.g * weight;
   spot.length_t = sample->law.strain * weight;
@@ -36,14 +36,14 @@ static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, con
     const Sample3 *p = end[e];
     const PetscReal *p_t = p->node.p_t, size = QuaternionSize(p->node.p);
     PetscReal D[3][4];
-    DirectorSlope(p->node.p, size, p->d[0], 0, D);
+    DirectorSlope(p->node.p, size, p->at.axes[0], 0, D);
     curve->g[e] = p->law.g;
     cell->spin[e] = p->spin;
     for (int d = 0; d < 3; d++) {
       curve->x[e][d] = p->node.x[d];
-      curve->q[e][d] = p->d[0][d];
+      curve->q[e][d] = p->at.axes[0][d];
       curve->x_t[e][d] = p->node.x_t[d];
-      curve->slope_t[e][d] = p->law.g_t * p->d[0][d] + p->law.g * Dot4(D[d], p_t);
+      curve->slope_t[e][d] = p->law.g_t * p->at.axes[0][d] + p->law.g * Dot4(D[d], p_t);
     }
   }
 }
@@ -79,7 +79,7 @@ PetscErrorCode TouchingWalls3(Touching self, Scene scene, PetscReal t, const Nod
     WallSpot spot;
     b.node = nodes[i];
     b.push = force[2 * i];
-    SampleFill3(scene, t, &law[2 * i], &b);
+    PetscCall(SampleFill3(scene, s[i], t, &law[2 * i], &b));
     spot = SpotOf(&b, s[i], (ahead + behind) / 6, moves);
     spot.tip = (PetscBool)(i == cells && scene->tip.type == TIP_FREE);
     touches = TouchingWalls(3, contact, &spot, bound, force[2 * i], sum);

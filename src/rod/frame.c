@@ -27,7 +27,7 @@ static void CellResidual(const Frame *frame, const Cell *cell, const PetscReal *
                       frame->mid_weight * cell->mid->f[f]);
   if (!feet) return;
   Add2(Times2(-cell->h * frame->end_weight, Plus2(From2(feet[AT_A]), From2(feet[AT_B]))), r + N1);
-  r[TH] -= KinkOf(cell) * Cross2(From2(cell->mid->at.q), From2(feet[FOOT_KINK]));
+  r[TH] -= KinkOf(cell) * Cross2(From2(cell->mid->at.axes[0]), From2(feet[FOOT_KINK]));
 }
 
 /* The residual of the conditions at the beginning: what each is about is 0. */

@@ -36,7 +36,7 @@ typedef struct {
 /* f at a point */
 static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual *dual,
                                  Point *p) {
-  const PetscReal *q = p->at.q;
+  const PetscReal *q = p->at.axes[0];
   PetscReal F[RUBS];
 
   p->f[X1] = law->g * q[0];
@@ -50,7 +50,7 @@ static inline void PointEvaluate(const Load *load, const Law *law, const Frictio
 
 /* The slope x'_t = g_t q + g theta_t q_perp of the velocity at a node. */
 static inline Vector2 VelocitySlope(const Law *law, const Point *p, PetscReal theta_t) {
-  const Vector2 q = From2(p->at.q);
+  const Vector2 q = From2(p->at.axes[0]);
 
   return Along2(Times2(law->g_t, q), law->g * theta_t, Left2(q));
 }
@@ -82,7 +82,6 @@ void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
                         const Point *b);
 void FrameYieldEnds(Rod rod, PetscInt i, const Point *p);
 void FrameYieldBegin(Rod rod, const Point *p, PetscReal by[YIELD_FIELDS]);
-void FrameYieldEnd(const PetscReal shift[], PetscReal by[YIELD_FIELDS]);
 void FrameYieldCell(Rod rod, const YieldCell *cell, PetscReal left[YIELD_FIELDS][YIELD_FIELDS],
                     PetscReal right[YIELD_FIELDS][YIELD_FIELDS], LearnedCell *learned);
 

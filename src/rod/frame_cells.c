@@ -13,7 +13,7 @@ static inline void PointAtNode(const Load *load, const Law *law, const FrictionD
   p->m = u[M];
   Put2(From2(u + N1), p->n);
   Put2(From2(u + X1), p->at.x);
-  Put2(q, p->at.q);
+  PlaceTurn2(q, &p->at);
   Put2(Along2(From2(u_t + X1), law->c, q), p->at.v);
   PointEvaluate(load, law, dual, p);
 }
@@ -28,7 +28,7 @@ static void PointAtMid(const Load *load, const Law law[3], const FrictionDual *d
 
   p->theta = theta;
   p->m = CurveMid(k, a->m, a->f[M], b->m, b->f[M]);
-  Put2(q, p->at.q);
+  PlaceTurn2(q, &p->at);
   Put2(CurveMid2(k, From2(a->n), From2(a->f + N1), From2(b->n), From2(b->f + N1)), p->n);
   Put2(Along2(CurveMid2(k, From2(ua_t + X1), wa, From2(ub_t + X1), wb), law[AT_MID].c, q), p->at.v);
   if (load->moves)
@@ -47,9 +47,11 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
   if (frame->time == t) PetscFunctionReturn(0);
   for (PetscInt i = i0; i <= i1; i++)
     for (int half = 0; half < 2 && (!half || i < i1); half++) {
-      Law *law = &frame->law[2 * (i - rod->first + 1) + half];
+      const PetscInt k = 2 * (i - rod->first + 1) + half;
+      Law *law = &frame->law[k];
       PetscReal B;
       law->s = half ? (s[i] + s[i + 1]) / 2 : s[i];
+      PetscCall(ScenePlace(scene, law->s, t, &frame->point[k].at));
       PetscCall(GrowthStretch(scene->growth, 1, &law->s, t, &law->g, &law->g_t, NULL));
       law->c = GrowthSlide(scene->growth, law->s, t);
       PetscCall(SceneStiffness(scene, law->s, t, &B, NULL));
@@ -91,7 +93,7 @@ static void FeetsCell(const Cell *cell, PetscInt i, FootCell *of) {
     Put2(VelocitySlope(&cell->law[2 * e], p, cell->u_t[i + e][TH]), curve->slope_t[e]);
     Put2(From2(cell->u[i + e] + X1), curve->x[e]);
     Put2(From2(cell->u_t[i + e] + X1), curve->x_t[e]);
-    Put2(From2(p->at.q), curve->q[e]);
+    Put2(From2(p->at.axes[0]), curve->q[e]);
   }
 }
 
@@ -119,7 +121,7 @@ static void AddFeet(Cell *cell, PetscInt i) {
   FeetHandOut(&of, &feet, load);
   Add2(Times2(frame->bow * cell->h, Minus2(From2(load[AT_A]), From2(load[AT_B]))), mid->n);
   Add2(From2(load[AT_MID]), mid->f + N1);
-  mid->f[M] = -cell->law[AT_MID].g * Cross2(From2(mid->at.q), From2(mid->n));
+  mid->f[M] = -cell->law[AT_MID].g * Cross2(From2(mid->at.axes[0]), From2(mid->n));
 }
 
 /* The point at node i. */
@@ -130,7 +132,6 @@ static Point *CellsNode(Cell *cell, PetscInt i) {
   PetscReal still[FIELDS];
 
   if (cell->known) return p;
-  p->at.t = cell->t;
   PointAtNode(cell->load, frame->law + k, FrameDuals(frame, k), cell->u[i],
               Still(cell, i, cell->u_t[i], still), p);
   AddPush(cell, i, 0, p);
@@ -202,7 +203,6 @@ void FrameCellsGo(Cell *cell, PetscInt i, PetscBool from_tip) {
   cell->mid = frame->point + k + 1;
   if (cell->known) return;
   PetscReal still[FIELDS];
-  cell->mid->at.t = cell->t;
   PointAtMid(cell->load, cell->law, cell->dual[AT_MID], frame->bow * cell->h, cell->a, cell->b,
              cell->u_t[i], Still(cell, i + 1, cell->u_t[i + 1], still), cell->mid);
   AddPush(cell, i, 1, cell->mid);

@@ -16,19 +16,18 @@ static void PointOnCubic(const Load *load, const Law *law_a, const Law *law, con
                          const Point *b, PetscReal turn_a, PetscReal turn_b, const Point *at,
                          Point *p) {
   const Vector2 wa = VelocitySlope(law_a, a, turn_a), wb = VelocitySlope(law_b, b, turn_b),
-                va = Along2(From2(a->at.v), -law_a->c, From2(a->at.q)),
-                vb = Along2(From2(b->at.v), -law_b->c, From2(b->at.q));
+                va = Along2(From2(a->at.v), -law_a->c, From2(a->at.axes[0])),
+                vb = Along2(From2(b->at.v), -law_b->c, From2(b->at.axes[0]));
   Vector2 v;
 
   p->theta = HermiteAt(z, h, a->theta, a->f[TH], b->theta, b->f[TH]);
   p->m = HermiteAt(z, h, a->m, a->f[M], b->m, b->f[M]);
-  p->at.t = at->at.t;
-  Zero3(p->at.x);
-  Put2(Direction2(p->theta), p->at.q);
+  p->at = at->at;
+  PlaceTurn2(Direction2(p->theta), &p->at);
   Put2(Hermite2(z, h, From2(a->n), From2(a->f + N1), From2(b->n), From2(b->f + N1)), p->n);
   Put2(Hermite2(z, h, From2(a->at.x), From2(a->f + X1), From2(b->at.x), From2(b->f + X1)), p->at.x);
-  v = Along2(Hermite2(z, h, va, wa, vb, wb), law->c, From2(p->at.q));
-  Put2(LoadSticks(load) ? From2(at->at.v) : v, p->at.v);
+  v = Along2(Hermite2(z, h, va, wa, vb, wb), law->c, From2(p->at.axes[0]));
+  if (!LoadSticks(load)) Put2(v, p->at.v);
   PointEvaluate(load, law, dual, p);
 }
 

@@ -4,11 +4,6 @@
 #include "rod/learned.h"
 #include <string.h>
 
-/* The place of a point, as it senses. */
-static void PlaceOf(Vector2 x, Vector2 q, TropismPlace *place) {
-  *place = (TropismPlace){.x = {x.x, x.y}, .d2 = {-q.y, q.x}, .d3 = {0, 0, 1}};
-}
-
 /* x in the middle of a cell, of which a point that does not feel it knows none; k = bow h. */
 static Vector2 MidPlace(PetscReal k, const Point *a, const Point *b) {
   return CurveMid2(k, From2(a->at.x), From2(a->f + X1), From2(b->at.x), From2(b->f + X1));
@@ -20,11 +15,9 @@ static void SeePoint(const Rod rod, PetscInt place, Vector2 x, const Point *p,
   const Law *law = &((const Frame *)rod->data)->law[place];
   const Tropism *tropism = &rod->scene->tropism;
   PetscReal pull[3] = {0};
-  TropismPlace at;
 
-  PlaceOf(x, From2(p->at.q), &at);
-  if (LearnedSenses(rod, place)) TropismPull(tropism, at.x, pull, NULL);
-  point->sensed[0] = TropismSensed(&at, 0, pull);
+  if (LearnedSenses(rod, place)) TropismPull(tropism, (const PetscReal[3]){x.x, x.y}, pull, NULL);
+  point->sensed[0] = TropismSensed(&p->at, 0, pull);
   point->natural[0] = law->k0;
   point->elastic[0] = p->m * law->flex;
 }
@@ -32,7 +25,7 @@ static void SeePoint(const Rod rod, PetscInt place, Vector2 x, const Point *p,
 /* ... and how these change with x, theta and m there: d2 turns by -d1. */
 static void SeeSlope(const Rod rod, PetscInt place, Vector2 x, const Point *p,
                      LearnedSlope *slope) {
-  const Vector2 q = From2(p->at.q);
+  const Vector2 q = From2(p->at.axes[0]);
   PetscReal pull[3], by_x[3][3];
 
   for (int f = 0; f < YIELD_FIELDS; f++) slope->sensed[0][f] = slope->elastic[0][f] = 0;
@@ -112,7 +105,7 @@ void FrameLearnedDrives(Rod rod, PetscInt i, PetscReal h, const Point *a, const 
    of the end towards the tip. */
 static void MidByEnd(PetscReal k, const Law *law, const Point *p,
                      PetscReal by[LEARNED_MOST][LEARNED_MOST], PetscReal by_bend[LEARNED_MOST]) {
-  const PetscReal kg = k * law->g, *q = p->at.q;
+  const PetscReal kg = k * law->g, *q = p->at.axes[0];
 
   for (int f = X1; f <= M; f++)
     for (int u = 0; u < FIELDS; u++) by[f][u] = 0;

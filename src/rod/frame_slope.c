@@ -27,7 +27,8 @@ static void CellJacobian(const Frame *frame, const Load *load, PetscReal h, Pets
                          PetscReal J[FIELDS][FIELDS]) {
   const PetscReal g = law->g, gm = mid_law->g, k = -sign * frame->bow * h,
                   we = h * frame->end_weight, wm = h * frame->mid_weight * gm;
-  const Vector2 q = From2(p->at.q), qm = From2(mid->at.q), perp = Left2(q), perp_m = Left2(qm);
+  const Vector2 q = From2(p->at.axes[0]), qm = From2(mid->at.axes[0]), perp = Left2(q),
+                perp_m = Left2(qm);
   const PetscReal turn = g * Dot2(q, From2(p->n)); /* d(m')/d(theta) */
   const PetscReal turn_m = wm * Dot2(qm, From2(mid->n));
   const PetscReal by_m = k * g * law->flex, flex_m = wm * mid_law->flex; /* d(theta_mid)/dm */
@@ -108,7 +109,7 @@ PetscBool FrameFeetSlopes(const Cell *cell, PetscInt i, const PetscReal shift[],
   FeetHandOut(&of, &feet, load);
   for (int e = 0; e < 2; e++) {
     const Law *law = &cell->law[2 * e];
-    const Vector2 q = From2((e ? cell->b : cell->a)->at.q);
+    const Vector2 q = From2((e ? cell->b : cell->a)->at.axes[0]);
     const PetscReal theta_t = cell->u_t[i + e][TH];
     Put2(From2(shift + X1), end[e].curve.shift);
     CurveEndInPlane(q, theta_t, law->g, law->g_t, shift[TH], &end[e].curve);
@@ -122,7 +123,7 @@ PetscBool FrameFeetSlopes(const Cell *cell, PetscInt i, const PetscReal shift[],
 static void AddFeetSlope(Cell *cell, PetscInt i, const PetscReal shift[],
                          PetscReal left[FIELDS][FIELDS], PetscReal right[FIELDS][FIELDS]) {
   const Frame *frame = (const Frame *)cell->rod->data;
-  const Vector2 q = From2(cell->mid->at.q);
+  const Vector2 q = From2(cell->mid->at.axes[0]);
   const PetscReal h = cell->h, wm = h * frame->mid_weight * cell->law[AT_MID].g * frame->bow * h;
   const PetscReal kink = KinkOf(cell);
   PetscReal turn; /* of the kink by the angle in the middle */
@@ -190,7 +191,7 @@ static void KeepCell(const Cell *cell, StrandCell *kept) {
                        .mid_weight = cell->h * frame->mid_weight,
                        .bow = cell->h * frame->bow,
                        .g = cell->law[AT_MID].g,
-                       .q = {cell->mid->at.q[0], cell->mid->at.q[1]}};
+                       .q = {cell->mid->at.axes[0][0], cell->mid->at.axes[0][1]}};
 }
 
 /* FrameJacobian(), of a rod whose material learns its natural curvature. */

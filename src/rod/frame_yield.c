@@ -1,87 +1,40 @@
-/*
-  A rod in the plane whose growth feels the force along it (material/growth_yield.c). Beside the
-  others it has the unknowns V and L of each node, and the equations
-
-    V' = g e,   L' = 0,      s = 0: V = 0, of a rod that is fed y;      s = 1: L_t = V,
-
-  with g = L, c = V - s L_t, and g e = w y, y = (1 + n.q/Pi)_+, w that of the law without force.
-*/
+/* A rod in the plane whose growth feels the force along it: its equations (yields.h), and what all
+   of them go by. */
 #include "curve/cell.h"
 #include "rod/frame.h"
+#include "rod/yields.h"
 #include <string.h>
 
-enum { V = 0, L = 1, OF_V = FIELDS, OF_L, ALL }; /* in arrays of both, and behind the others */
+enum { OF_V = FIELDS, OF_L, ALL }; /* behind the others */
 
-/* y where the force along the rod is so, and its slope by that. */
-static PetscReal Yields(const Rod rod, Vector2 q, const PetscReal n[], PetscReal *slope) {
-  const PetscReal limit = rod->scene->growth->yield, y = 1 + Dot2(q, From2(n)) / limit;
-
-  if (slope) *slope = y > 0 ? 1 / limit : 0;
-  return PetscMax(0, y);
+static PetscReal AlongAt(const PetscReal u[]) {
+  return Dot2(Direction2(u[TH]), From2(u + N1));
 }
 
-/* V' at a label. */
-static PetscReal SlopeOfV(const Rod rod, PetscReal s, PetscReal length, Vector2 q,
-                          const PetscReal n[]) {
-  PetscReal by_length;
-  return GrowthYieldWeight(rod->scene->growth, s, length, &by_length) * Yields(rod, q, n, NULL);
+/* V' at a point. */
+static PetscReal SlopeAt(const Rod rod, const Law *law, const Point *p) {
+  return YieldsSlope(rod, law->s, law->g, Dot2(From2(p->at.axes[0]), From2(p->n)));
 }
 
-/* FrameYieldSee - tells the law of growth what it is in a state: V, V' and L of all nodes, on every
-   rank. Collective. */
+/* FrameYieldSee - tells the law of growth what it is in a state. Collective. */
 PetscErrorCode FrameYieldSee(Rod rod, PetscReal t, Vec U) {
-  enum { VALUES = 3 };
-  const PetscInt fields = rod->model->fields, n = rod->last + 1;
-  const PetscReal *s = rod->scene->mesh.s, *v;
-  PetscReal *all, *speed, *slope;
-
   PetscFunctionBegin;
-  PetscCall(PetscMalloc3(VALUES * n, &all, n, &speed, n, &slope));
-  PetscCall(VecGetArrayRead(U, (const PetscScalar **)&v));
-  for (PetscInt i = rod->first; i < rod->end; i++) {
-    const PetscReal *u = v + (i - rod->first) * fields;
-    all[VALUES * i] = u[OF_V];
-    all[VALUES * i + 1] = SlopeOfV(rod, s[i], u[OF_L], Direction2(u[TH]), u + N1);
-    all[VALUES * i + 2] = u[OF_L];
-  }
-  PetscCall(VecRestoreArrayRead(U, (const PetscScalar **)&v));
-  PetscCall(LearnedGather(rod, VALUES, all));
-  for (PetscInt i = 0; i < n; i++) {
-    speed[i] = all[VALUES * i];
-    slope[i] = all[VALUES * i + 1];
-  }
-  PetscCall(GrowthYieldSee(rod->scene->growth, t, n, s, all[VALUES * n - 1], speed, slope));
-  PetscCall(PetscFree3(all, speed, slope));
+  PetscCall(YieldsSee(rod, t, U, AlongAt));
   PetscFunctionReturn(0);
 }
 
-/* FrameYieldLaws - those of nodes and middles, by the unknowns there, and the clocks of what is
-   learned there: behind FrameYieldSee(), which the laws of the time have come from. */
+/* FrameYieldLaws - those of nodes and middles are as the unknowns there have them. */
 void FrameYieldLaws(Rod rod) {
   const Frame *frame = (const Frame *)rod->data;
-  const Learned learned = rod->learned;
-  const PetscInt from = PetscMax(rod->first - 1, 0), to = PetscMin(rod->end, rod->last);
-  const PetscBool by_rate = rod->scene->tropism.by_rate;
-  PetscReal slope = 0, before = 0;
+  const PetscInt from = 2 * (PetscMax(rod->first - 1, 0) - rod->first + 1),
+                 to = 2 * (PetscMin(rod->end, rod->last) - rod->first + 1);
 
-  for (PetscInt i = from; i <= to; i++, before = slope) {
-    const PetscInt at = i - rod->first + 1;
-    const PetscReal *u = learned->u + at * FIELDS, *w = learned->w + at * 2,
-                    *w_t = learned->w_t + at * 2;
-    Law *law = &frame->law[2 * at];
-    law->g = w[L];
-    law->g_t = w_t[L];
-    law->c = i == rod->last ? 0 : w[V] - law->s * w_t[L]; /* (the tip is its material) */
-    slope = SlopeOfV(rod, law->s, w[L], Direction2(u[TH]), u + N1);
-    if (!by_rate) learned->clock[2 * at] = slope / law->g;
-    if (i == from) continue;
-    law[-1].g = (law[-2].g + law->g) / 2;
-    law[-1].g_t = (law[-2].g_t + law->g_t) / 2;
-    law[-1].c = CurveMid(frame->bow * (law->s - law[-2].s), w[V - 2], before, w[V], slope) -
-                law[-1].s * law[-1].g_t;
-    if (!by_rate)
-      learned->clock[2 * at - 1] =
-          (1.5 * (w[V] - w[V - 2]) / (law->s - law[-2].s) - (before + slope) / 4) / law[-1].g;
+  YieldsLaws(rod, frame->bow, AlongAt);
+  for (PetscInt k = from; k <= to; k++) {
+    const LearnedStretch *stretch = &rod->learned->stretch[k];
+    frame->law[k].g = stretch->g;
+    frame->law[k].g_t = stretch->g_t;
+    frame->law[k].c = stretch->c;
   }
 }
 
@@ -89,51 +42,29 @@ void FrameYieldLaws(Rod rod) {
 void FrameYieldResidual(Rod rod, PetscInt i, PetscReal h, const Point *a, const Point *mid,
                         const Point *b) {
   const Frame *frame = (const Frame *)rod->data;
-  const Learned learned = rod->learned;
-  const PetscInt at = i - rod->first + 1;
-  const Law *law = &frame->law[2 * at];
-  const PetscReal *w = learned->w + at * 2;
-  PetscReal *row = learned->w_row + at * 2;
+  const Law *law = &frame->law[2 * (i - rod->first + 1)];
 
-  row[2 + V] =
-      w[2 + V] - w[V] -
-      h * (frame->end_weight * (SlopeOfV(rod, law[AT_A].s, law[AT_A].g, From2(a->at.q), a->n) +
-                                SlopeOfV(rod, law[AT_B].s, law[AT_B].g, From2(b->at.q), b->n)) +
-           frame->mid_weight *
-               SlopeOfV(rod, law[AT_MID].s, law[AT_MID].g, From2(mid->at.q), mid->n));
-  row[L] = w[2 + L] - w[L];
+  YieldsResidual(rod, i,
+                 h * (frame->end_weight * (SlopeAt(rod, law, a) + SlopeAt(rod, law + AT_B, b)) +
+                      frame->mid_weight * SlopeAt(rod, law + AT_MID, mid)));
 }
 
 /* FrameYieldEnds - of what is at the clamp, or the tip: p the point there. */
 void FrameYieldEnds(Rod rod, PetscInt i, const Point *p) {
-  const Learned learned = rod->learned;
-  const PetscInt at = i - rod->first + 1;
-  const PetscReal *w = learned->w + at * 2;
-
-  if (i == 0)
-    learned->w_row[at * 2 + V] =
-        w[V] - GrowthYieldInflow(rod->scene->growth) * Yields(rod, From2(p->at.q), p->n, NULL);
-  if (i == rod->last) learned->w_row[at * 2 + L] = learned->w_t[at * 2 + L] - w[V];
+  YieldsEnds(rod, i, Dot2(From2(p->at.axes[0]), From2(p->n)));
 }
 
 /* FrameYieldBegin - the equation of V at the clamp by its node. */
 void FrameYieldBegin(Rod rod, const Point *p, PetscReal by[ALL]) {
-  const Vector2 q = From2(p->at.q);
+  const Vector2 q = From2(p->at.axes[0]);
   PetscReal slope;
 
   memset(by, 0, ALL * sizeof(*by));
   by[OF_V] = 1;
-  (void)Yields(rod, q, p->n, &slope);
+  (void)YieldsPart(rod, Dot2(q, From2(p->n)), &slope);
   slope *= GrowthYieldInflow(rod->scene->growth);
   by[TH] = -slope * Cross2(q, From2(p->n));
   Put2(Times2(-slope, q), by + N1);
-}
-
-/* FrameYieldEnd - the last equation of the tip, L_t = V. */
-void FrameYieldEnd(const PetscReal shift[], PetscReal by[ALL]) {
-  memset(by, 0, ALL * sizeof(*by));
-  by[OF_V] = -1;
-  by[OF_L] = shift[OF_L];
 }
 
 /* How a point changes: its place, angle, moment and force, natural bend, velocity, and g. */
@@ -146,11 +77,11 @@ typedef struct {
 static void Vary(const Rod rod, const Law *law, const Point *p, const LoadSlope *slope,
                  const Change *d, PetscReal df[OF_L]) {
   const Load *load = &rod->scene->load;
-  const Vector2 q = From2(p->at.q), n = From2(p->n), dq = Times2(d->theta, Left2(q));
+  const Vector2 q = From2(p->at.axes[0]), n = From2(p->n), dq = Times2(d->theta, Left2(q));
   const PetscReal g = law->g;
   PetscReal by_length, by_force;
   const PetscReal w = GrowthYieldWeight(rod->scene->growth, law->s, g, &by_length),
-                  y = Yields(rod, q, p->n, &by_force);
+                  y = YieldsPart(rod, Dot2(q, n), &by_force);
 
   Put2(Along2(Times2(d->g, q), g, dq), df + X1);
   for (int k = X1; k <= X2; k++) {
@@ -191,7 +122,7 @@ static void VaryFeet(const YieldCell *cell, int e, Column *of) {
 static void AddFeet(const Frame *frame, const YieldCell *cell, const Column *of,
                     PetscReal equations[ALL]) {
   const Law *law = &cell->law[AT_MID];
-  const Vector2 q = From2(cell->at[AT_MID]->at.q), turn = From2(cell->load[FOOT_KINK]);
+  const Vector2 q = From2(cell->at[AT_MID]->at.axes[0]), turn = From2(cell->load[FOOT_KINK]);
   const PetscReal kink = PetscSqr(cell->h * law->g) * law->flex;
 
   Add2(Times2(-cell->h * frame->end_weight, Plus2(of->feet[AT_A], of->feet[AT_B])), equations + N1);
@@ -202,7 +133,7 @@ static void AddFeet(const Frame *frame, const YieldCell *cell, const Column *of,
 static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unknown, Column *of) {
   const Law *law = cell->law + 2 * e, *mid_law = cell->law + AT_MID;
   const Point *p = cell->at[2 * e], *mid = cell->at[AT_MID];
-  const Vector2 q = From2(p->at.q), perp = Left2(q), q_mid = From2(mid->at.q);
+  const Vector2 q = From2(p->at.axes[0]), perp = Left2(q), q_mid = From2(mid->at.axes[0]);
   const PetscReal *shift = cell->shift[e], k = e ? -cell->bow : cell->bow;
   PetscReal turn, rate, slide, mid_slide;
   Vector2 dq, x_t, w;
@@ -241,20 +172,6 @@ static void Differentiate(const Rod rod, const YieldCell *cell, int e, int unkno
     Add2(Along2(of->feet[AT_MID], -m->g / mid_law->g, From2(cell->load[AT_MID])), of->at_mid + N1);
 }
 
-/* How the clocks of a cell's places go with an unknown: that of the node, e = w y/g, and that of
-   the middle, which the law of growth has from its cubic. */
-static void Clocks(const Rod rod, const YieldCell *cell, int e, int unknown, const Column *of,
-                   PetscReal clock[3][2][LEARNED_MOST]) {
-  const Learned learned = rod->learned;
-  const PetscReal *a = learned->clock + cell->place, g = cell->law[2 * e].g,
-                  g_mid = cell->law[AT_MID].g, sign = e ? 1 : -1;
-
-  if (rod->scene->tropism.by_rate) return;
-  clock[2 * e][e][unknown] = (of->at_node[OF_V] - a[2 * e] * of->node.g) / g;
-  clock[1][e][unknown] =
-      (1.5 * sign * of->own[OF_V] / cell->h - of->at_node[OF_V] / 4 - a[1] * of->mid.g) / g_mid;
-}
-
 /* FrameYieldCell - the equations of a cell by its nodes, and what its middle has of their unknowns:
    all columns are found alike. */
 void FrameYieldCell(Rod rod, const YieldCell *cell, PetscReal left[ALL][ALL],
@@ -286,6 +203,8 @@ void FrameYieldCell(Rod rod, const YieldCell *cell, PetscReal left[ALL][ALL],
       }
       for (int r = 0; r < ALL; r++) (e ? right : left)[r][c] = equations[r];
       for (int r = X1; r <= M; r++) learned->by_node[e][r][c] = middle[r];
-      Clocks(rod, cell, e, c, &of, learned->clock);
+      YieldsClocks(rod, cell->place, e, c, cell->h,
+                   &(YieldsChange){of.own[OF_V], of.at_node[OF_V], of.node.g, of.mid.g},
+                   learned->clock);
     }
 }

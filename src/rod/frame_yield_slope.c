@@ -1,6 +1,7 @@
 /* The Jacobian of a rod in the plane whose growth feels the force along it, assembled or eliminated
    cell by cell; frame_yield.c has what a cell's equations depend on. */
 #include "rod/frame_cells.h"
+#include "rod/yields.h"
 #include <string.h>
 
 /* A cell's equations by its nodes, left and right, and by what is learned; slopes are new but that
@@ -50,7 +51,7 @@ static void YieldEnds(const Cell *cell, const PetscReal shift[],
   FrameTipBlock(cell, cell->b, shift, by);
   memset(end, 0, (LINE_HALF + 1) * sizeof(*end));
   for (int r = 0; r < TIP_ROWS; r++) memcpy(end[r], by[r], sizeof(by[r]));
-  FrameYieldEnd(shift, end[LINE_HALF]);
+  YieldsEnd(cell->rod, shift, end[LINE_HALF]);
 }
 
 /* FrameJacobian(), of a rod whose growth feels force. */
@@ -87,16 +88,6 @@ PetscErrorCode FrameYieldJacobian(Rod rod, const RodState *at, Mat J) {
   PetscFunctionReturn(0);
 }
 
-/* Rows with their columns, and a cell's equations in turn, as they are eliminated: LearnedOrder().
- */
-static void PutYields(const Rod rod, PetscInt rows, PetscReal from[][YIELD_FIELDS], PetscReal *to) {
-  for (PetscInt r = 0; r < rows; r++) {
-    const PetscReal *row = from[rows == YIELD_FIELDS ? LearnedOrder(rod, r) : r];
-    for (PetscInt f = 0; f < YIELD_FIELDS; f++)
-      to[r * YIELD_FIELDS + f] = row[LearnedOrder(rod, f)];
-  }
-}
-
 /* FrameEliminate(), of a rod whose growth feels force, on one rank. */
 PetscErrorCode FrameYieldEliminate(Rod rod, const RodState *at, Elimination elimination) {
   Halves line = EliminationHalves(elimination);
@@ -112,20 +103,20 @@ PetscErrorCode FrameYieldEliminate(Rod rod, const RodState *at, Elimination elim
     FrameCellsNext(&cell, i);
     if (i == 0) {
       YieldBegins(&cell, end);
-      PutYields(rod, LINE_HALF + 1, end, HalvesFirst(line));
+      LearnedTurned(rod, LINE_HALF + 1, end[0], HalvesFirst(line));
     }
     YieldBlocks(&cell, i, (PetscBool)(i == 0), at->shift, left, right, &learned);
     if (i == 0) LearnedNodeSlope(rod, i, &learned.slope[AT_A], learned.clock[AT_A][0], at->shift);
     LearnedNodeSlope(rod, i + 1, &learned.slope[AT_B], learned.clock[AT_B][1], at->shift);
     LearnedCondense(rod, i, &learned, at->shift, left[0], right[0]);
     HalvesBlocks(line, &a, &b);
-    PutYields(rod, YIELD_FIELDS, left, a);
-    PutYields(rod, YIELD_FIELDS, right, b);
+    LearnedTurned(rod, YIELD_FIELDS, left[0], a);
+    LearnedTurned(rod, YIELD_FIELDS, right[0], b);
     HalvesCell(line);
   }
   LearnedSignalSlope(rod, &learned.slope[AT_B], at->shift);
   YieldEnds(&cell, at->shift, end);
-  PutYields(rod, LINE_HALF + 1, end, left[0]);
+  LearnedTurned(rod, LINE_HALF + 1, end[0], left[0]);
   HalvesEnd(line, left[0]);
   PetscCall(FrameCellsClose(&cell));
   LearnedCondensed(rod, elimination);

@@ -35,8 +35,9 @@ PetscErrorCode LearnedCreate(Rod rod, PetscInt lead, PetscInt extra, PetscInt be
                          &self->k, places * self->per, &self->k_t));
   PetscCall(PetscCalloc4(places * bends, &self->given, places, &self->clock, nodes * mech,
                          &self->row, places * self->per, &self->rows));
-  PetscCall(PetscCalloc4(nodes * extra, &self->w, nodes * extra, &self->w_t, nodes * extra,
-                         &self->w_row, places * bends, &self->drives));
+  PetscCall(PetscCalloc5(nodes * extra, &self->w, nodes * extra, &self->w_t, nodes * extra,
+                         &self->w_row, places * bends, &self->drives, extra ? places : 0,
+                         &self->stretch));
   PetscCall(PetscCalloc2(nodes, &self->node, nodes, &self->cell));
   PetscCall(PetscCalloc5(nodes * mech, &self->b, nodes * mech, &self->x, places * self->per,
                          &self->free, places * self->per, &self->rhs, nodes * mech, &self->beside));
@@ -53,7 +54,7 @@ PetscErrorCode LearnedDestroy(Rod rod) {
   if (!self) PetscFunctionReturn(0);
   PetscCall(PetscFree4(self->u, self->u_t, self->k, self->k_t));
   PetscCall(PetscFree4(self->given, self->clock, self->row, self->rows));
-  PetscCall(PetscFree4(self->w, self->w_t, self->w_row, self->drives));
+  PetscCall(PetscFree5(self->w, self->w_t, self->w_row, self->drives, self->stretch));
   PetscCall(PetscFree2(self->node, self->cell));
   PetscCall(PetscFree5(self->b, self->x, self->free, self->rhs, self->beside));
   for (int b = 0; b < TROPISM_BENDS; b++) PetscCall(PetscFree(self->border[b]));

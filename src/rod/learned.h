@@ -48,6 +48,11 @@ typedef struct {
   LearnedRow at_mid;
 } LearnedFactor;
 
+/* What the laws of the labels are in a state, where growth feels force: stretch, its rate, slide. */
+typedef struct {
+  PetscReal g, g_t, c;
+} LearnedStretch;
+
 /* How the states of a model are condensed: learned_solve.c. */
 typedef const struct LearnedKind_ *LearnedKind;
 
@@ -61,6 +66,7 @@ typedef struct Learned_ {
                                  middle of the cell behind them */
   PetscReal *u, *u_t;         /* mechanics of nodes first - 1 .. end; node i at i - first + 1 */
   PetscReal *w, *w_t, *w_row; /* V and L of these, and the residuals of their equations */
+  LearnedStretch *stretch;    /* of places, by these */
   PetscReal *k, *k_t;         /* states; places as of laws: 2 (i - first + 1) + half */
   PetscReal signal[TROPISM_BENDS], signal_t[TROPISM_BENDS];
   PetscReal nutation[TROPISM_BENDS]; /* at the time of the state */
@@ -105,6 +111,7 @@ PetscErrorCode LearnedMatrix(Rod rod, PetscInt i, const PetscReal *begin, const 
                              const PetscReal *left, const PetscReal *right,
                              const LearnedSlope *slope, const PetscReal *clock,
                              const PetscReal *own, PetscReal *room, Mat J);
+void LearnedTurned(const Rod rod, PetscInt rows, const PetscReal *from, PetscReal *to);
 void LearnedRows(Rod rod, PetscInt i, const LearnedCell *cell, const PetscReal shift[]);
 void LearnedByElastic(const Rod rod, PetscReal clock, const LearnedSlope *slope, PetscInt bend,
                       PetscReal by[]);

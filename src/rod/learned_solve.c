@@ -349,6 +349,17 @@ static PetscErrorCode SignalBy(const Rod rod, const PetscReal *x, PetscReal sign
   PetscFunctionReturn(0);
 }
 
+/* LearnedTurned - rows with their columns, and a cell's equations in turn, as they are eliminated:
+   LearnedOrder(). */
+void LearnedTurned(const Rod rod, PetscInt rows, const PetscReal *from, PetscReal *to) {
+  const PetscInt n = rod->learned->mech;
+
+  for (PetscInt r = 0; r < rows; r++) {
+    const PetscReal *row = from + (rows == n ? LearnedOrder(rod, r) : r) * n;
+    for (PetscInt f = 0; f < n; f++) to[r * n + f] = row[LearnedOrder(rod, f)];
+  }
+}
+
 /* The unknowns x of the mechanics of owned nodes by b. */
 static PetscErrorCode SolveMechanics(const Rod rod, const PetscReal *b, PetscReal *x) {
   const Learned self = rod->learned;

@@ -24,6 +24,7 @@ typedef struct {
   PetscReal *natural; /* k0 at turn first - 1 + k, for turns first - 1 .. end */
   PetscReal *bend;    /* B there */
   FrictionDual *dual; /* owned nodes, and one more for the tip's resistance */
+  Place *place;       /* owned nodes: which they are */
 } Mixed;
 
 /* K and its first and second derivatives by (a, b), for one turn. */
@@ -119,6 +120,8 @@ static PetscErrorCode LengthsAt(Rod rod, PetscReal t) {
     PetscCall(SceneCurvature(rod->scene, at, t, &self->natural[k - rod->first + 1], NULL));
     PetscCall(SceneStiffness(rod->scene, at, t, &self->bend[k - rod->first + 1], NULL));
   }
+  for (PetscInt i = rod->first; i < rod->end; i++)
+    PetscCall(ScenePlace(rod->scene, rod->scene->mesh.s[i], t, &self->place[i - rod->first]));
   self->time = t;
   PetscFunctionReturn(0);
 }
@@ -164,9 +167,9 @@ static void PlaceAt(const Mixed *self, Rod rod, const PetscReal (*u)[FIELDS],
 
   if (i == rod->last) e = Rotated(e, TipTurn(self, rod));
   *slide = c != 0 && i < rod->last ? c / (2 * NodeLength(self, rod, i)) : 0;
-  *at = (Place){.t = self->time};
+  *at = self->place[i - rod->first];
   Put2(From2(u[i]), at->x);
-  Put2(Over2(e, size), at->q);
+  PlaceTurn2(Over2(e, size), at);
   Put2(Along2(u_t ? From2(u_t[i]) : (Vector2){0, 0}, *slide, e), at->v);
 }
 
@@ -523,8 +526,8 @@ static PetscErrorCode MixedCreate(Rod rod) {
   PetscFunctionBegin;
   PetscCall(PetscNew(&self));
   self->time = PETSC_MIN_REAL;
-  PetscCall(PetscCalloc4(n + 4, &self->length, n + 2, &self->natural, n + 2, &self->bend, n + 1,
-                         &self->dual));
+  PetscCall(PetscCalloc5(n + 4, &self->length, n + 2, &self->natural, n + 2, &self->bend, n + 1,
+                         &self->dual, n, &self->place));
   rod->order = 2;
   rod->memory = REMEMBERED;
   rod->data = self;
@@ -535,7 +538,7 @@ static PetscErrorCode MixedDestroy(Rod rod) {
   Mixed *self = (Mixed *)rod->data;
 
   PetscFunctionBegin;
-  PetscCall(PetscFree4(self->length, self->natural, self->bend, self->dual));
+  PetscCall(PetscFree5(self->length, self->natural, self->bend, self->dual, self->place));
   PetscCall(PetscFree(rod->data));
   PetscFunctionReturn(0);
 }

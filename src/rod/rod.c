@@ -14,6 +14,8 @@ static const RodModel *ModelFor(Scene scene, const RodModel *model) {
   if (model == &rod_frame && scene->growth->yield > 0)
     return remembers ? &rod_frame_yields_remembers : &rod_frame_yields;
   if (model == &rod_frame) return remembers ? &rod_frame_remembers : &rod_frame_learns;
+  if (model == &rod_space && scene->growth->yield > 0)
+    return remembers ? &rod_space_yields_remembers : &rod_space_yields;
   if (model == &rod_space) return remembers ? &rod_space_remembers : &rod_space_learns;
   return model;
 }
@@ -361,8 +363,8 @@ PetscErrorCode RodGrowNodes(Rod rod, PetscReal t0, PetscReal t1, Node *nodes) {
       PetscCall(SceneStiffness(rod->scene, s[rod->first + k], e ? t1 : t0, &B[e], NULL));
     }
     for (int d = 0; d < 3; d++) nodes[k].x[d] += dx[d][k];
-    if (rod->model->space) continue; /* moments are found by the first iteration */
     if (rod->scene->growth->yield > 0) nodes[k].growth[1] = g[1];
+    if (rod->model->space) continue; /* moments are found by the first iteration */
     nodes[k].moment = B[1] * ((nodes[k].moment / B[0] + k0[0]) * g[0] / g[1] - k0[1]);
   }
   if (rod->model->space) TurnEnds(rod, t1, nodes);

@@ -11,7 +11,7 @@
 #include <petscdmda.h>
 #include <stddef.h>
 
-enum { MAX_FIELDS = 21 };
+enum { MAX_FIELDS = 23 };
 
 /* The mirrors of a rod that is nearly straight: x2 -> -x2 and, in space, x3 -> -x3. Fields fall
    into groups by the mirrors in which they change sign, as do their equations: on the straight rod
@@ -138,7 +138,7 @@ typedef struct {
   PetscErrorCode (*turned)(Rod, Vec U0, Vec U1, PetscBool *turned);
   /* what Newton's method remembers from step to step: value k, of as many as the rod's memory says,
      at an owned node i or one beside these; NULL: nothing there. And all of it has been taken back:
-     what depends on it is looked at anew; NULL: nothing does */
+     what depends on it is looked at again; NULL: nothing does */
   PetscReal *(*remembered)(Rod, PetscInt i, PetscInt k);
   PetscErrorCode (*recalled)(Rod);
   /* what changes of the fields are measured against, from their sizes; NULL: these */
@@ -201,7 +201,8 @@ extern const RodModel rod_frame, rod_mixed, rod_linear, rod_linear_space, rod_sp
 /* the same, whose material learns its natural curvature; that also remembers what it senses */
 extern const RodModel rod_frame_learns, rod_frame_remembers, rod_space_learns, rod_space_remembers;
 /* ... and whose growth feels the force along it */
-extern const RodModel rod_frame_yields, rod_frame_yields_remembers;
+extern const RodModel rod_frame_yields, rod_frame_yields_remembers, rod_space_yields,
+    rod_space_yields_remembers;
 extern const OptionGroup frame_options;
 
 PetscErrorCode RodCreate(Scene scene, const RodModel *model, Rod *rod);
@@ -224,7 +225,7 @@ PetscErrorCode RodHoldTip(Rod rod);
 const char *RodRefusesSpace(Scene scene);
 PetscErrorCode RodOpen(Rod rod, Vec v, Vec *local, void *array);
 PetscErrorCode RodClose(Rod rod, Vec *local, void *array);
-/* No state is the one that was seen last: it is looked at anew. */
+/* No state is the one that was seen last: it is looked at again. */
 static inline void RodForget(RodSeen *seen) {
   seen->t = PETSC_MIN_REAL;
 }

@@ -29,8 +29,8 @@
 static void Kink(const Cell *cell, PetscReal K[4]) {
   const Point *p = cell->mid;
   const PetscReal *w = cell->foot_load[FOOT_KINK], f = PetscSqr(cell->h * cell->law[AT_MID].g),
-                  turn[3] = {0, -f * cell->law[AT_MID].flex[1] * Dot3(w, p->d[2]),
-                             f * cell->law[AT_MID].flex[2] * Dot3(w, p->d[1])};
+                  turn[3] = {0, -f * cell->law[AT_MID].flex[1] * Dot3(w, p->at.axes[2]),
+                             f * cell->law[AT_MID].flex[2] * Dot3(w, p->at.axes[1])};
 
   QuaternionTurn(p->p, turn, K);
   for (int i = 0; i < 4; i++) K[i] /= 2;
@@ -65,6 +65,8 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
   for (PetscInt i = PetscMax(rod->first - 1, 0); i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     if (rod->learned) SpaceLearnedResidual(rod, i, cell.a, cell.mid);
+    if (self->yields) SpaceYieldResidual(&cell, i);
+    if (self->yields && i == 0) SpaceYieldEnds(rod, 0, cell.a);
     for (int f = 0; f < FIELDS; f++)
       r[f] = cell.u[i + 1][f] - cell.u[i][f] -
              cell.h * (self->end_weight * (cell.a->f[f] + cell.b->f[f]) +
@@ -82,6 +84,7 @@ static PetscErrorCode SpaceResidual(Rod rod, const RodState *at, Vec F) {
       if (cell.couple) F_[rod->last][M + d] -= cell.couple[2 * rod->last + 1][d];
     }
     if (rod->learned) SpaceLearnedResidual(rod, rod->last, cell.b, NULL);
+    if (self->yields) SpaceYieldEnds(rod, rod->last, cell.b);
   }
   if (rod->learned)
     PetscCall(LearnedFilled(rod, F));
@@ -133,6 +136,7 @@ static PetscErrorCode SpaceTurned(Rod rod, Vec U0, Vec U1, PetscBool *turned) {
 }
 
 static PetscErrorCode SpaceSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
+  const PetscBool yields = ((const Space_ *)rod->data)->yields;
   PetscReal *u, *at;
 
   PetscFunctionBegin;
@@ -143,6 +147,7 @@ static PetscErrorCode SpaceSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
     PetscCall(PetscArraycpy(at + P, nodes[i].p, 4));
     PetscCall(PetscArraycpy(at + M, nodes[i].m3, 3));
     PetscCall(PetscArraycpy(at + N, nodes[i].force, 3));
+    if (yields) PetscCall(PetscArraycpy(at + OF_V, nodes[i].growth, YIELD_FIELDS - FIELDS));
   }
   PetscCall(VecRestoreArray(U, (PetscScalar **)&u));
   if (rod->learned) PetscCall(LearnedSet(rod, nodes, U));
@@ -150,10 +155,12 @@ static PetscErrorCode SpaceSet(Rod rod, PetscReal t, const Node *nodes, Vec U) {
 }
 
 static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes) {
+  const PetscBool yields = ((const Space_ *)rod->data)->yields;
   const PetscInt fields = rod->model->fields;
   const PetscReal *u, *u_t = NULL;
 
   PetscFunctionBegin;
+  if (yields) PetscCall(SpaceYieldSee(rod, t, U)); /* who asks goes on with its length */
   PetscCall(VecGetArrayRead(U, (const PetscScalar **)&u));
   if (U_t) PetscCall(VecGetArrayRead(U_t, (const PetscScalar **)&u_t));
   for (PetscInt i = 0; i < rod->end - rod->first; i++) {
@@ -164,6 +171,7 @@ static PetscErrorCode SpaceGet(Rod rod, PetscReal t, Vec U, Vec U_t, Node *nodes
     PetscCall(PetscArraycpy(node->p, at + P, 4));
     PetscCall(PetscArraycpy(node->m3, at + M, 3));
     PetscCall(PetscArraycpy(node->force, at + N, 3));
+    if (yields) PetscCall(PetscArraycpy(node->growth, at + OF_V, YIELD_FIELDS - FIELDS));
     if (U_t) {
       PetscCall(PetscArraycpy(node->x_t, at_t + X, 3));
       PetscCall(PetscArraycpy(node->p_t, at_t + P, 4));
@@ -202,8 +210,6 @@ static void SpaceScale(PetscReal size[]) {
 
 /* In space a rod that nothing holds may spin about itself. */
 static const char *SpaceRefuses(Scene scene) {
-  if (scene->growth->yield > 0)
-    return "-growth_yield: growth that feels force is one of a rod in the plane";
   return scene->clamp == CLAMP_FREE && scene->load.radius == 0
              ? "-clamp_type free: nothing keeps a rod in space from spinning about itself; give it "
                "a -friction_radius"
@@ -232,7 +238,11 @@ static PetscErrorCode SpaceCreate(Rod rod) {
   self->mid_weight = choice ? 4. / 6 : 1;
   self->bow = choice ? 1. / 8 : 0;
   self->time = PETSC_MIN_REAL;
-  if (rod->model->fields > FIELDS) PetscCall(LearnedCreate(rod, FIELDS, 0, TROPISM_BENDS));
+  self->yields = (PetscBool)(rod->scene->growth->yield > 0);
+  UserCheck(!self->yields || rod->order == 4, rod->scene->comm,
+            "-rod_order 2: -growth_yield needs order 4");
+  if (rod->model->fields > FIELDS)
+    PetscCall(LearnedCreate(rod, FIELDS, self->yields ? YIELD_FIELDS - FIELDS : 0, TROPISM_BENDS));
   rod->memory = SpaceRemembers(&rod->scene->load);
   self->duals = rod->scene->load.duals3;
   SpaceCellsForget(self);
@@ -282,7 +292,12 @@ static PetscErrorCode SpaceDestroy(Rod rod) {
     N + 1, N + 2, 1                                                                                \
   }
 #define BENDS(first)                                                                               \
-  { FIELDS + (first), FIELDS + (first) + 1, -1 }
+  { (first), (first) + 1, -1 }
+#define K_NAMES "k3", "k2", "k3_mid", "k2_mid"
+#define F_NAMES "k3", "k2", "f3", "f2", "k3_mid", "k2_mid", "f3_mid", "f2_mid"
+#define K_FOLLOWED PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE
+#define K_GROUPS ACROSS_2, ACROSS_3, ACROSS_2, ACROSS_3
+#define K_PAIRS(first) BENDS(first), BENDS((first) + 2)
 
 const RodModel rod_space = {SPACE,
                             .fields = FIELDS,
@@ -291,21 +306,35 @@ const RodModel rod_space = {SPACE,
                             .group = {MIRRORED},
                             .pairs = 4,
                             .pair = {PAIRS}};
-const RodModel rod_space_learns = {
-    SPACE,
-    .fields = FIELDS + 4,
-    .field = {NAMES, "k3", "k2", "k3_mid", "k2_mid"},
-    .followed = {FIRST_FOLLOWED, UNFOLLOWED, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
-    .group = {MIRRORED, ACROSS_2, ACROSS_3, ACROSS_2, ACROSS_3},
-    .pairs = 6,
-    .pair = {PAIRS, BENDS(0), BENDS(2)}};
+const RodModel rod_space_learns = {SPACE,
+                                   .fields = FIELDS + 4,
+                                   .field = {NAMES, K_NAMES},
+                                   .followed = {FIRST_FOLLOWED, UNFOLLOWED, K_FOLLOWED},
+                                   .group = {MIRRORED, K_GROUPS},
+                                   .pairs = 6,
+                                   .pair = {PAIRS, K_PAIRS(FIELDS)}};
 const RodModel rod_space_remembers = {
     SPACE,
     .fields = FIELDS + 8,
-    .field = {NAMES, "k3", "k2", "f3", "f2", "k3_mid", "k2_mid", "f3_mid", "f2_mid"},
-    .followed = {FIRST_FOLLOWED, UNFOLLOWED, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE,
-                 PETSC_TRUE, PETSC_TRUE, PETSC_TRUE, PETSC_TRUE},
-    .group = {MIRRORED, ACROSS_2, ACROSS_3, ACROSS_2, ACROSS_3, ACROSS_2, ACROSS_3, ACROSS_2,
-              ACROSS_3},
+    .field = {NAMES, F_NAMES},
+    .followed = {FIRST_FOLLOWED, UNFOLLOWED, K_FOLLOWED, K_FOLLOWED},
+    .group = {MIRRORED, K_GROUPS, K_GROUPS},
     .pairs = 8,
-    .pair = {PAIRS, BENDS(0), BENDS(2), BENDS(4), BENDS(6)}};
+    .pair = {PAIRS, K_PAIRS(FIELDS), K_PAIRS(FIELDS + 4)}};
+/* ... whose growth feels force: eliminated, without its V and L, to count modes alone. */
+const RodModel rod_space_yields = {
+    SPACE,
+    .fields = YIELD_FIELDS + 4,
+    .field = {NAMES, "V", "L", K_NAMES},
+    .followed = {FIRST_FOLLOWED, UNFOLLOWED, PETSC_FALSE, PETSC_TRUE, K_FOLLOWED},
+    .group = {MIRRORED, ALONG, ALONG, K_GROUPS},
+    .pairs = 6,
+    .pair = {PAIRS, K_PAIRS(YIELD_FIELDS)}};
+const RodModel rod_space_yields_remembers = {
+    SPACE,
+    .fields = YIELD_FIELDS + 8,
+    .field = {NAMES, "V", "L", F_NAMES},
+    .followed = {FIRST_FOLLOWED, UNFOLLOWED, PETSC_FALSE, PETSC_TRUE, K_FOLLOWED, K_FOLLOWED},
+    .group = {MIRRORED, ALONG, ALONG, K_GROUPS, K_GROUPS},
+    .pairs = 8,
+    .pair = {PAIRS, K_PAIRS(YIELD_FIELDS), K_PAIRS(YIELD_FIELDS + 4)}};

@@ -12,10 +12,9 @@ static void PointAtNode(const Cell *cell, const Law *law, const FrictionDual *du
   memcpy(p->m_t, u_t + M, sizeof(p->m_t));
   PointStrains(cell->load, law, p);
   DirectorRate(p);
-  p->at.t = cell->t;
   for (int i = 0; i < 3; i++) {
     p->at.x[i] = u[X + i];
-    p->at.v[i] = u_t[X + i] + law->c * p->d[0][i];
+    p->at.v[i] = u_t[X + i] + law->c * p->at.axes[0][i];
   }
   PointEvaluate(cell->load, law, dual, p);
 }
@@ -51,10 +50,9 @@ static void PointAtMid(Cell *cell, PetscReal k, const PetscReal *ua_t, const Pet
         (CurveMid(k, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(&cell->law[AT_A], a),
                   QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(&cell->law[AT_B], b)) +
          cell->law[AT_MID].c * p->u[0]);
-  p->at.t = cell->t;
   for (int i = 0; i < 3; i++)
-    p->at.v[i] =
-        CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) + cell->law[AT_MID].c * p->d[0][i];
+    p->at.v[i] = CurveMid(k, ua_t[X + i], wa[i], ub_t[X + i], wb[i]) +
+                 cell->law[AT_MID].c * p->at.axes[0][i];
   PointEvaluate(load, &cell->law[AT_MID], cell->dual[AT_MID], p);
   for (int i = 0; i < 3 && cell->split; i++)
     p->f[M + i] += (a->couple[i] + b->couple[i]) / 2 - p->couple[i];
@@ -75,9 +73,11 @@ static PetscErrorCode LawsAt(Rod rod, PetscReal t) {
   if (self->time == t) PetscFunctionReturn(0);
   for (PetscInt i = i0; i <= i1; i++)
     for (int half = 0; half < 2 && (!half || i < i1); half++) {
-      Law *law = &self->law[2 * (i - rod->first + 1) + half];
+      const PetscInt k = 2 * (i - rod->first + 1) + half;
+      Law *law = &self->law[k];
       PetscReal B, S[3];
       law->s = half ? (s[i] + s[i + 1]) / 2 : s[i];
+      PetscCall(ScenePlace(scene, law->s, t, &self->point[k].at));
       PetscCall(GrowthStretch(scene->growth, 1, &law->s, t, &law->g, &law->g_t, NULL));
       law->c = GrowthSlide(scene->growth, law->s, t);
       PetscCall(SceneStiffness(scene, law->s, t, &B, NULL));
@@ -118,8 +118,8 @@ static void FeetsCell(Cell *cell, PetscInt i) {
     if (arm > 0) of->spin[e] = p->at.v[SPIN] / arm;
     for (int d = 0; d < 3; d++) {
       curve->x[e][d] = p->at.x[d];
-      curve->q[e][d] = p->d[0][d];
-      curve->x_t[e][d] = p->at.v[d] - cell->law[2 * e].c * p->d[0][d];
+      curve->q[e][d] = p->at.axes[0][d];
+      curve->x_t[e][d] = p->at.v[d] - cell->law[2 * e].c * p->at.axes[0][d];
     }
   }
 }
@@ -175,6 +175,10 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   Space_ *self = (Space_ *)rod->data;
 
   PetscFunctionBegin;
+  if (self->yields) {
+    self->time = PETSC_MIN_REAL; /* laws are those of the state */
+    PetscCall(SpaceYieldSee(rod, at->t, at->U));
+  }
   PetscCall(LawsAt(rod, at->t));
   PetscCall(SceneContactAt(rod->scene, at->t));
   cell->rod = rod;
@@ -193,6 +197,7 @@ PetscErrorCode SpaceCellsOpen(Rod rod, const RodState *at, Cell *cell) {
   cell->s = rod->scene->mesh.s;
   if (rod->learned) {
     PetscCall(SpaceLearnedOpen(rod, at));
+    if (self->yields) SpaceYieldLaws(rod);
     cell->u = (const PetscReal(*)[FIELDS])rod->learned->u + 1 - rod->first;
     cell->u_t = (const PetscReal(*)[FIELDS])rod->learned->u_t + 1 - rod->first;
   } else {

@@ -11,6 +11,8 @@
 #include "rod/spin.h"
 
 enum { X, P = 3, M = 7, N = 10, FIELDS = 13, LEFT = M, RIGHT = FIELDS - LEFT };
+/* ... and of a rod whose growth feels force (space_yield.c). */
+enum { OF_V = FIELDS, OF_L, YIELD_FIELDS };
 
 /* What the laws give at a point; flex = 1/S. */
 typedef struct {
@@ -20,7 +22,7 @@ typedef struct {
 
 /* A point of the rod: its unknowns, what follows from them, and f. */
 typedef struct {
-  PetscReal p[4], m[3], n[3], size, d[3][3], u[3], f[FIELDS];
+  PetscReal p[4], m[3], n[3], size, u[3], f[FIELDS];
   PetscReal couple[3];               /* of friction, in f */
   PetscReal p_t[4], m_t[3], d1_t[3]; /* rates, that of d1 at nodes */
   Place at;
@@ -38,6 +40,7 @@ typedef struct {
   FrictionDual *foot_dual; /* of cells, likewise: of their feet, WALL_SLOTS each; NULL: none */
   PetscBool *split; /* of cells, from that before node first on, in this Newton solve; NULL: none */
   StrandRows strands; /* NULL: the rod does not touch itself */
+  PetscBool yields;   /* its growth feels force */
 } Space_;
 
 /* A walk along the cells that touch owned nodes. */
@@ -76,7 +79,7 @@ static inline PetscReal SplitBow(const Cell *cell) {
 /* f at a point whose unknowns, place and velocity are set */
 static inline void PointEvaluate(const Load *load, const Law *law, const FrictionDual *dual,
                                  Point *p) {
-  const PetscReal *q = p->d[0], g = law->g;
+  const PetscReal *q = p->at.axes[0], g = law->g;
   PetscReal load_[RUBS], turned[3];
 
   LoadForce(3, load, &p->at, dual, load_);
@@ -94,11 +97,8 @@ static inline void PointEvaluate(const Load *load, const Law *law, const Frictio
 /* Directors and strains from p and m, and the spin. */
 static inline void PointStrains(const Load *load, const Law *law, Point *p) {
   p->size = QuaternionSize(p->p);
-  Directors(p->p, p->size, p->d);
-  for (int k = 0; k < 3; k++) {
-    p->u[k] = law->flex[k] * Dot3(p->d[k], p->m) + law->u0[k];
-    p->at.q[k] = p->d[0][k];
-  }
+  Directors(p->p, p->size, p->at.axes);
+  for (int k = 0; k < 3; k++) p->u[k] = law->flex[k] * Dot3(p->at.axes[k], p->m) + law->u0[k];
   p->at.v[SPIN] = 0;
   if (load->arm > 0)
     p->at.v[SPIN] = load->arm * (QuaternionSpin(p->p, p->size, p->p_t) + law->c * p->u[0]);
@@ -108,7 +108,7 @@ static inline void PointStrains(const Load *load, const Law *law, Point *p) {
 static inline void DirectorRate(Point *p) {
   PetscReal D[3][4];
 
-  DirectorSlope(p->p, p->size, p->d[0], 0, D);
+  DirectorSlope(p->p, p->size, p->at.axes[0], 0, D);
   for (int i = 0; i < 3; i++) p->d1_t[i] = Dot4(D[i], p->p_t);
 }
 
@@ -121,7 +121,7 @@ static inline const PetscReal *SpaceStill(const Cell *cell, PetscInt i, const Pe
 
 /* The slope x'_t = g_t d1 + g d1_t of the velocity at a node. */
 static inline void VelocitySlope(const Law *law, const Point *p, PetscReal w[3]) {
-  for (int i = 0; i < 3; i++) w[i] = law->g_t * p->d[0][i] + law->g * p->d1_t[i];
+  for (int i = 0; i < 3; i++) w[i] = law->g_t * p->at.axes[0][i] + law->g * p->d1_t[i];
 }
 
 /* Is the spin in the middle of a cell that of Hermite's cubic? It takes the rate of the moment, and
@@ -134,7 +134,8 @@ static inline PetscBool SpinCubic(Rod rod, const RodState *at) {
 
 /* How the spin of the directors changes along the rod at a node, see rod/spin.h. */
 static inline PetscReal NodeSpinSlope(const Law *law, const Point *p) {
-  return SpinSlope(law->g, law->g_t, &law->twist, law->flex[0], p->d, p->u, p->m, p->m_t, p->d1_t);
+  return SpinSlope(law->g, law->g_t, &law->twist, law->flex[0], p->at.axes, p->u, p->m, p->m_t,
+                   p->d1_t);
 }
 
 /* The duals of point k of the rank's: of friction along the rod, and of walls. */
@@ -181,6 +182,15 @@ void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid)
 void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const PetscReal (*u_p)[4],
                        const PetscReal (*u_m)[3], LearnedSlope *slope);
 void SpaceLearnedTurn(const Law *law, const Point *p, int bend, PetscReal by[4]);
+void SpaceLearnedDrives(Rod rod, PetscInt i, const Point *p, const Point *mid);
+
+/* space_yield.c */
+PetscErrorCode SpaceYieldSee(Rod rod, PetscReal t, Vec U);
+void SpaceYieldLaws(Rod rod);
+void SpaceYieldResidual(const Cell *cell, PetscInt i);
+void SpaceYieldEnds(Rod rod, PetscInt i, const Point *p);
+PetscErrorCode SpaceYieldJacobian(Rod rod, const RodState *at, Mat J);
+PetscErrorCode SpaceYieldEliminate(Rod rod, const RodState *at, Elimination elimination);
 
 /* space_defect.c */
 PetscErrorCode SpaceDefect(Rod rod, const RodState *at, PetscReal (*defect)[MAX_FIELDS]);

@@ -31,6 +31,7 @@ static void PointOnCubic(const Cells *cells, int k, const Law *law_b, PetscReal 
   const Load *load = cells->seen;
   PetscReal wa[3], wb[3];
 
+  p->at = at->at;
   VelocitySlope(cells->law, a, wa);
   VelocitySlope(law_b, b, wb);
   for (int i = 0; i < 4; i++) {
@@ -49,11 +50,10 @@ static void PointOnCubic(const Cells *cells, int k, const Law *law_b, PetscReal 
         (HermiteAt(z, h, QuaternionSpin(a->p, a->size, a->p_t), NodeSpinSlope(cells->law, a),
                    QuaternionSpin(b->p, b->size, b->p_t), NodeSpinSlope(law_b, b)) +
          law->c * p->u[0]);
-  p->at.t = at->at.t;
   for (int i = 0; i < 3; i++)
-    p->at.v[i] = HermiteAt(z, h, a->at.v[i] - cells->law->c * a->d[0][i], wa[i],
-                           b->at.v[i] - law_b->c * b->d[0][i], wb[i]) +
-                 law->c * p->d[0][i];
+    p->at.v[i] = HermiteAt(z, h, a->at.v[i] - cells->law->c * a->at.axes[0][i], wa[i],
+                           b->at.v[i] - law_b->c * b->at.axes[0][i], wb[i]) +
+                 law->c * p->at.axes[0][i];
   for (int i = 0; i < RUBS && LoadSticks(load); i++) p->at.v[i] = at->at.v[i];
   PointEvaluate(load, law, cells->dual[k], p);
 }
@@ -120,7 +120,7 @@ static void StripMoments(Cells *cells) {
       mid[d] = (n[d] + end[d]) / 2 + h * (wall[0][d] - wall[2][d]) / 8;
     }
     for (int e = 1; e < 3; e++) {
-      const PetscReal *w = e == 1 ? mid : end, *q = cells->p[2 * k + e].d[0],
+      const PetscReal *w = e == 1 ? mid : end, *q = cells->p[2 * k + e].at.axes[0],
                       g = cells->law[2 * k + e].g;
       PetscReal turned[3];
       Cross3(q, w, turned);

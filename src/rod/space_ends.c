@@ -15,7 +15,7 @@ TipState SpaceTipOf(const Load *load, const Point *end) {
   memcpy(tip.p, end->p, sizeof(tip.p));
   memcpy(tip.m, end->m, sizeof(tip.m));
   memcpy(tip.n, end->n, sizeof(tip.n));
-  DirectorSlope(end->p, end->size, end->d[0], 0, tip.q_p);
+  DirectorSlope(end->p, end->size, end->at.axes[0], 0, tip.q_p);
   return tip;
 }
 

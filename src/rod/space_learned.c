@@ -7,24 +7,16 @@
 /* The director that a bend is about. */
 static const int turn[TROPISM_BENDS] = {2, 1};
 
-static void PlaceOf(const Point *p, TropismPlace *place) {
-  memcpy(place->x, p->at.x, sizeof(place->x));
-  memcpy(place->d2, p->d[1], sizeof(place->d2));
-  memcpy(place->d3, p->d[2], sizeof(place->d3));
-}
-
 /* What a place senses, where p is, and its bends. */
 static void SeePoint(const Rod rod, PetscInt place, const Point *p, LearnedPoint *point) {
   const Law *law = &((const Space_ *)rod->data)->law[place];
   PetscReal pull[3] = {0};
-  TropismPlace at;
 
-  PlaceOf(p, &at);
-  if (LearnedSenses(rod, place)) TropismPull(&rod->scene->tropism, at.x, pull, NULL);
+  if (LearnedSenses(rod, place)) TropismPull(&rod->scene->tropism, p->at.x, pull, NULL);
   for (int b = 0; b < TROPISM_BENDS; b++) {
-    point->sensed[b] = TropismSensed(&at, b, pull);
+    point->sensed[b] = TropismSensed(&p->at, b, pull);
     point->natural[b] = law->u0[turn[b]];
-    point->elastic[b] = law->flex[turn[b]] * Dot3(p->d[turn[b]], p->m);
+    point->elastic[b] = law->flex[turn[b]] * Dot3(p->at.axes[turn[b]], p->m);
   }
 }
 
@@ -44,10 +36,11 @@ void SpaceLearnedSlope(const Rod rod, PetscInt place, const Point *p, const Pets
     const int along = b ? 2 : 1; /* sensed about d3 is along d2, about d2 along -d3 */
     const PetscReal sign = b ? -1 : 1;
     PetscReal D[3][4];
-    DirectorSlope(p->p, p->size, p->d[along], along, D);
+    DirectorSlope(p->p, p->size, p->at.axes[along], along, D);
     for (int i = 0; i < 3; i++) {
       for (int j = 0; j < 4; j++) slope->sensed[b][P + j] += sign * pull[i] * D[i][j];
-      for (int j = 0; j < 3; j++) slope->sensed[b][X + j] += sign * p->d[along][i] * by_x[i][j];
+      for (int j = 0; j < 3; j++)
+        slope->sensed[b][X + j] += sign * p->at.axes[along][i] * by_x[i][j];
     }
   }
 }
@@ -94,12 +87,21 @@ void SpaceLearnedResidual(Rod rod, PetscInt i, const Point *p, const Point *mid)
   const PetscInt place = 2 * (i - rod->first + 1);
   LearnedPoint point;
 
+  SpaceLearnedDrives(rod, i, p, mid);
+  if (mid || !rod->learned->at_tip) return;
+  SeePoint(rod, place, p, &point);
+  LearnedSignalResidual(rod, point.sensed);
+}
+
+/* SpaceLearnedDrives - what drives the states of node i, which is p, and of the middle of the cell
+   behind it; NULL: not of that. */
+void SpaceLearnedDrives(Rod rod, PetscInt i, const Point *p, const Point *mid) {
+  const PetscInt place = 2 * (i - rod->first + 1);
+  LearnedPoint point;
+
   SeePoint(rod, place, p, &point);
   LearnedResidual(rod, place, &point);
-  if (!mid) {
-    if (rod->learned->at_tip) LearnedSignalResidual(rod, point.sensed);
-    return;
-  }
+  if (!mid) return;
   SeePoint(rod, place + 1, mid, &point);
   LearnedResidual(rod, place + 1, &point);
 }

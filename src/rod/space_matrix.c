@@ -7,7 +7,7 @@
 /* A cell's equations by the bend learned at one of its ends: that turns p' there, and so p in the
    middle by k times that. e: the end, a (0) or b (1); turn: SpaceMidTurns(). */
 ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
-                            PetscReal turn[RUBS][4], PetscReal column[FIELDS],
+                            PetscReal turn[RUBS][FIELDS], PetscReal column[FIELDS],
                             PetscReal by_bend[FIELDS]) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscReal k = (e ? -1 : 1) * self->bow * cell->h, we = cell->h * self->end_weight,
@@ -24,14 +24,14 @@ ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
   for (int r = 0; r < (LoadPlaced(cell->load) ? FIELDS : N); r++)
     for (int j = 0; j < 4; j++) column[r] -= wm * mid->f[r][P + j] * by_bend[P + j];
   for (int c = 0; c < RUBS; c++)
-    for (int j = 0; j < 4; j++) dW[c] += turn[c][j] * by_bend[P + j];
+    for (int j = 0; j < 4; j++) dW[c] += turn[c][P + j] * by_bend[P + j];
   if (cell->cubic) /* the spin's slope there has - g u_k d_k.d1_t */
-    dW[SPIN] -= cell->load->arm * k * cell->law[2 * e].g * Dot3(p->d[bend ? 1 : 2], p->d1_t);
+    dW[SPIN] -= cell->load->arm * k * cell->law[2 * e].g * Dot3(p->at.axes[bend ? 1 : 2], p->d1_t);
   for (int i = 0; i < 3; i++)
     for (int c = 0; c < RUBS; c++) {
       column[N + i] -= wg * mid->load.W[i][c] * dW[c];
       if (cell->load->arm > 0 && !cell->split)
-        column[M + i] -= wg * cell->mid->d[0][i] * mid->load.W[SPIN][c] * dW[c];
+        column[M + i] -= wg * cell->mid->at.axes[0][i] * mid->load.W[SPIN][c] * dW[c];
     }
   if (cell->feet.n) {
     PetscReal by_p[4][4], by_w[4][3];
@@ -41,16 +41,16 @@ ALWAYS_INLINE void ColumnOf(const Cell *cell, int e, int bend, const Slope *mid,
   }
 }
 
-/* What the material of cell i has learned, for learned.h; slopes at its nodes where they are asked
-   for. */
-WIDE_VECTORS static void LearnedOf(const Cell *cell, PetscInt i, const Slopes *slopes,
+/* SpaceLearnedCell - what the material of cell i has learned, for learned.h; slopes at its nodes
+   where they are asked for. */
+WIDE_VECTORS void SpaceLearnedCell(const Cell *cell, PetscInt i, const Slopes *slopes,
                                    PetscBool at_a, PetscBool at_b, LearnedCell *learned) {
   const Space_ *self = (const Space_ *)cell->rod->data;
   const PetscInt place = 2 * (i - cell->rod->first + 1);
   const PetscBool asked[3] = {at_a, PETSC_TRUE, at_b};
   const Point *at[3] = {cell->a, cell->mid, cell->b};
   const Slope *slope[3] = {&slopes->a, &slopes->mid, &slopes->b};
-  PetscReal turn[RUBS][4];
+  PetscReal turn[RUBS][FIELDS];
 
   SpaceMidTurns(cell, &slopes->mid, turn);
   for (int k = 0; k < 3; k++)
@@ -81,7 +81,7 @@ static void Condense(const Cell *cell, PetscInt i, PetscBool first, const PetscR
                      PetscReal right[FIELDS][FIELDS]) {
   LearnedCell learned;
 
-  LearnedOf(cell, i, slopes, first, PETSC_TRUE, &learned);
+  SpaceLearnedCell(cell, i, slopes, first, PETSC_TRUE, &learned);
   if (first) LearnedNodeSlope(cell->rod, i, &learned.slope[AT_A], NULL, shift);
   LearnedNodeSlope(cell->rod, i + 1, &learned.slope[AT_B], NULL, shift);
   LearnedCondense(cell->rod, i, &learned, shift, left[0], right[0]);
@@ -104,7 +104,7 @@ static void KeepCell(const Cell *cell, const Slope *mid, StrandCell *kept) {
                        .mid_weight = cell->h * self->mid_weight,
                        .bow = cell->h * self->bow,
                        .g = cell->law[AT_MID].g};
-  memcpy(kept->q, cell->mid->d[0], sizeof(kept->q));
+  memcpy(kept->q, cell->mid->at.axes[0], sizeof(kept->q));
   for (int i = 0; i < 4; i++) memcpy(kept->p_m[i], &mid->f[P + i][M], sizeof(kept->p_m[i]));
 }
 
@@ -141,7 +141,7 @@ static PetscErrorCode LearnedJacobian(Rod rod, const RodState *at, Mat J) {
   for (PetscInt i = begin; i < PetscMin(rod->end, rod->last); i++) {
     SpaceCellsNext(&cell, i);
     SpaceCellBlocks(&cell, i, (PetscBool)(i == begin), at->shift, &slopes, left, right);
-    LearnedOf(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
+    SpaceLearnedCell(&cell, i, &slopes, PETSC_TRUE, (PetscBool)(i + 1 == rod->last), &learned);
     LearnedNodeSlope(rod, i, &learned.slope[AT_A], NULL, at->shift);
     LearnedRows(rod, i, &learned, at->shift);
     if (i >= rod->first) KeepLearnedCell(&cell, i, &slopes.mid, &learned.slope[AT_MID]);
@@ -183,7 +183,7 @@ PetscErrorCode SpaceJacobian(Rod rod, const RodState *at, Mat J) {
 
   PetscFunctionBegin;
   if (rod->learned) {
-    PetscCall(LearnedJacobian(rod, at, J));
+    PetscCall(self->yields ? SpaceYieldJacobian(rod, at, J) : LearnedJacobian(rod, at, J));
     PetscFunctionReturn(0);
   }
   PetscCall(SpaceCellsOpen(rod, at, &cell));
@@ -241,7 +241,7 @@ static void Arms(const Point *point, WideArms *arms) {
     for (int j = 0; j < 4; j++) arms->way[i][P + j] = f * turn[i][j];
     arms->way[3 + i][X + i] = 1;
     arms->moment[i] = point->m[i] / 2;
-    arms->twist += point->m[i] / 2 * point->d[0][i];
+    arms->twist += point->m[i] / 2 * point->at.axes[0][i];
   }
 }
 
@@ -260,8 +260,8 @@ static PetscErrorCode BeginSprings(Rod rod, PetscReal t, const Point *first,
   for (int i = 0; i < 3; i++) {
     if (is_free) gives[X + i][3 + i] = rod_rule.spring_softer * PetscPowReal(length, 3);
     for (int j = 0; j < 3; j++) {
-      PetscReal part = is_free ? first->d[0][i] * first->d[0][j] : 0;
-      for (int k = 1; k < 3; k++) part += first->d[k][i] * first->d[k][j];
+      PetscReal part = is_free ? first->at.axes[0][i] * first->at.axes[0][j] : 0;
+      for (int k = 1; k < 3; k++) part += first->at.axes[k][i] * first->at.axes[k][j];
       for (int k = 0; k < 4; k++)
         gives[P + k][j] += rod_rule.spring_softer * length * turn[i][k] / 2 * part;
     }
@@ -284,6 +284,10 @@ PetscErrorCode SpaceEliminate(Rod rod, const RodState *at, Elimination eliminati
   Cell cell;
 
   PetscFunctionBegin;
+  if (((const Space_ *)rod->data)->yields && !at->counts) {
+    PetscCall(SpaceYieldEliminate(rod, at, elimination));
+    PetscFunctionReturn(0);
+  }
   PetscCall(SpaceCellsOpen(rod, at, &cell));
   WideBegin(line);
   if (gives_way && rod->first == 0) PetscCall(BeginSprings(rod, at->t, cell.b, gives));

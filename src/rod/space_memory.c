@@ -37,7 +37,7 @@ static void AddTip(const Cell *cell, RodForces *sum) {
   for (int d = 0; d < 3; d++) sum->walls[d] += sum->tip[d];
   for (int d = 0; d < 3 && cell->push && rod->scene->tip.type == TIP_FREE; d++) {
     sum->tip[d] += cell->push[last][d];
-    if (cell->couple) sum->tip[SPIN] += cell->couple[last][d] * cell->b->d[0][d];
+    if (cell->couple) sum->tip[SPIN] += cell->couple[last][d] * cell->b->at.axes[0][d];
   }
 }
 

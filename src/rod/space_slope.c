@@ -17,13 +17,13 @@ void SpaceKinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]
     const int other = 3 - k; /* d_k.(d1 x w) = -w.d3 of k = 1, w.d2 of k = 2 */
     const PetscReal size = (k == 1 ? -1 : 1) * f * cell->law[AT_MID].flex[k],
                     unit[3] = {0, k == 1, k == 2},
-                    turn[3] = {0, unit[1] * size * Dot3(w, p->d[2]),
-                               unit[2] * size * Dot3(w, p->d[1])};
+                    turn[3] = {0, unit[1] * size * Dot3(w, p->at.axes[2]),
+                               unit[2] * size * Dot3(w, p->at.axes[1])};
     PetscReal along[4], r[4];
-    DirectorSlope(p->p, p->size, p->d[other], other, D);
+    DirectorSlope(p->p, p->size, p->at.axes[other], other, D);
     QuaternionTurn(p->p, unit, along);
     for (int i = 0; i < 4; i++) {
-      for (int j = 0; j < 3; j++) by_w[i][j] += along[i] / 2 * size * p->d[other][j];
+      for (int j = 0; j < 3; j++) by_w[i][j] += along[i] / 2 * size * p->at.axes[other][j];
       for (int j = 0; j < 4; j++) by_p[i][j] += along[i] / 2 * size * ColumnDot3(D[0], 4, j, w);
     }
     for (int j = 0; j < 4; j++) { /* the product is linear in p */
@@ -39,16 +39,16 @@ void SpaceKinkSlope(const Cell *cell, PetscReal by_p[4][4], PetscReal by_w[4][3]
 WIDE_VECTORS static void Linearise(const Cell *cell, const Law *law, const Point *p,
                                    FrictionDual *dual, Slope *slope) {
   const Load *load = cell->load;
-  const PetscReal g = law->g, *q = p->d[0], *u = p->u, *n = p->n;
+  const PetscReal g = law->g, *q = p->at.axes[0], *u = p->u, *n = p->n;
   PetscReal(*f)[FIELDS] = slope->f, D[3][4];
 
   LoadLinearise(3, load, &p->at, cell->fresh, dual, &slope->load);
   memset(f, 0, sizeof(slope->f));
   for (int k = 0; k < 3; k++) { /* u_k = flex_k d_k.m + u0_k */
-    DirectorSlope(p->p, p->size, p->d[k], k, D);
+    DirectorSlope(p->p, p->size, p->at.axes[k], k, D);
     if (!k) memcpy(slope->d1, D, sizeof(D));
     for (int j = 0; j < 4; j++) slope->u_p[k][j] = law->flex[k] * ColumnDot3(D[0], 4, j, p->m);
-    for (int j = 0; j < 3; j++) slope->u_m[k][j] = law->flex[k] * p->d[k][j];
+    for (int j = 0; j < 3; j++) slope->u_m[k][j] = law->flex[k] * p->at.axes[k][j];
   }
   /* x' = g d1 */
   for (int i = 0; i < 3; i++)
@@ -85,7 +85,7 @@ static void AddCouple(const Load *load, const Law *law, const Point *p, const Fr
 
   LoadForce(3, load, &p->at, dual, l);
   for (int i = 0; i < 3; i++) {
-    const PetscReal along = law->g * p->d[0][i], *by_q = slope->load.q[SPIN];
+    const PetscReal along = law->g * p->at.axes[0][i], *by_q = slope->load.q[SPIN];
     for (int j = 0; j < 4; j++) slope->f[M + i][P + j] += law->g * l[SPIN] * slope->d1[i][j];
     if (!LoadPlaced(load)) continue;
     for (int j = 0; j < 3; j++) slope->f[M + i][X + j] += along * slope->load.x[SPIN][j];
@@ -146,14 +146,14 @@ static void AddVelocity(const Load *load, const Law *law, const Point *p, const 
   if (load->arm == 0) return;
   AddProduct(3, 1, N, s * law->g, slope->load.W[0] + SPIN, RUBS, dW[SPIN], FIELDS, f[N], FIELDS);
   for (int i = 0; i < 3; i++)
-    for (int c = 0; c < RUBS; c++) couple[i][c] = p->d[0][i] * slope->load.W[SPIN][c];
+    for (int c = 0; c < RUBS; c++) couple[i][c] = p->at.axes[0][i] * slope->load.W[SPIN][c];
   AddProduct(3, RUBS, N, s * law->g, couple[0], RUBS, dW[0], FIELDS, f[M], FIELDS);
 }
 
 /* How x'_t = g_t d1 + g d1_t of a node changes with p, and with p_t by its shift: 3 x 4. */
 static void VelocitySlopeSlope(const Law *law, const Point *p, const Slope *slope,
                                const PetscReal shift[], PetscReal by_p[3][4]) {
-  DirectorRateSlope(p->p, p->size, p->d[0], p->d1_t, 0, slope->d1, p->p_t, by_p);
+  DirectorRateSlope(p->p, p->size, p->at.axes[0], p->d1_t, 0, slope->d1, p->p_t, by_p);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 4; j++)
       by_p[i][j] =
@@ -170,13 +170,13 @@ static void SpinSlopeSlope(const Law *law, const Point *p, const Slope *slope,
   for (int j = 0; j < 4; j++) by[j] = law->g_t * slope->u_p[0][j];
   for (int j = 0; j < 3; j++)
     by[4 + j] = (law->g_t + g * shift[M + j]) * slope->u_m[0][j] +
-                g * (flex * d1_t[j] + flex_t * p->d[0][j]);
+                g * (flex * d1_t[j] + flex_t * p->at.axes[0][j]);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 4; j++)
       by[j] += g * (flex * p->m_t[i] + flex_t * p->m[i]) * slope->d1[i][j] +
                flex * p->m[i] * (by_p[i][j] - law->g_t * slope->d1[i][j]);
   for (int k = 1; k < 3; k++) {
-    const PetscReal *d = p->d[k], turns = Dot3(d, d1_t);
+    const PetscReal *d = p->at.axes[k], turns = Dot3(d, d1_t);
     PetscReal D[3][4];
     DirectorSlope(p->p, p->size, d, k, D);
     for (int j = 0; j < 4; j++) by[j] -= g * slope->u_p[k][j] * turns;
@@ -335,7 +335,8 @@ WIDE_VECTORS static void CellJacobian(const Cell *cell, PetscReal sign, const Pe
     if (load->arm > 0) {
       PetscReal couple[3][RUBS];
       for (int i = 0; i < 3; i++)
-        for (int c = 0; c < RUBS; c++) couple[i][c] = cell->mid->d[0][i] * mid->load.W[SPIN][c];
+        for (int c = 0; c < RUBS; c++)
+          couple[i][c] = cell->mid->at.axes[0][i] * mid->load.W[SPIN][c];
       AddProduct(3, 1, FIELDS, -wm * cell->law[AT_MID].g, mid->load.W[0] + SPIN, RUBS, dW[SPIN],
                  FIELDS, J[N], FIELDS);
       if (!cell->split)
@@ -395,13 +396,11 @@ void SpaceTipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[]
                SpaceTipDual(rod), by);
 }
 
-/* How W in the middle of a cell changes with p there, as it is turned. */
-void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][4]) {
-  PetscReal by[RUBS][FIELDS] = {{0}};
-
+/* How W in the middle of a cell changes with p there, as it is turned, and by its spin with m. */
+void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][FIELDS]) {
+  memset(turn, 0, RUBS * sizeof(*turn));
   if (cell->cubic)
-    SlideSlope(cell->load, &cell->law[1], mid, by);
+    SlideSlope(cell->load, &cell->law[1], mid, turn);
   else
-    TurnSlope(cell->load, &cell->law[1], cell->mid, mid, by);
-  for (int c = 0; c < RUBS; c++) memcpy(turn[c], by[c] + P, sizeof(turn[c]));
+    TurnSlope(cell->load, &cell->law[1], cell->mid, mid, turn);
 }

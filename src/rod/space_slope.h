@@ -24,6 +24,10 @@ void SpaceCellBlocks(Cell *cell, PetscInt i, PetscBool first, const PetscReal sh
                      PetscReal right[FIELDS][FIELDS]);
 void SpaceTipBlock(const Cell *cell, const Slope *slope, const PetscReal shift[],
                    PetscReal by[RIGHT][FIELDS]);
-void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][4]);
+void SpaceMidTurns(const Cell *cell, const Slope *mid, PetscReal turn[RUBS][FIELDS]);
+
+/* space_matrix.c */
+void SpaceLearnedCell(const Cell *cell, PetscInt i, const Slopes *slopes, PetscBool at_a,
+                      PetscBool at_b, LearnedCell *learned);
 
 #endif

@@ -197,6 +197,11 @@ PetscErrorCode SpaceInitial(Rod rod, PetscReal t, Node *nodes) {
       ShapeAtLabels(rod->scene, t, cells, s, which[rod->first], which[rod->end - 1] + 1, nodes));
   for (PetscInt i = rod->end - 1; i >= rod->first; i--) /* (on one rank, if any is there twice) */
     if (which[i] < i) nodes[i - rod->first] = nodes[which[i] - which[rod->first]];
+  for (PetscInt i = rod->first; i < rod->end && rod->scene->growth->yield > 0; i++) {
+    PetscReal *growth = nodes[i - rod->first].growth;
+    growth[0] = GrowthSpeed(rod->scene->growth, rod->scene->mesh.s[i], t, 0);
+    PetscCall(GrowthLength(rod->scene->growth, t, &growth[1], NULL));
+  }
   PetscCall(PetscFree2(s, which));
   PetscFunctionReturn(0);
 }

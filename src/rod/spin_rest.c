@@ -102,7 +102,7 @@ PetscErrorCode SpinRest(PetscInt n, const SpinPlace place[], PetscReal torque, P
   PetscFunctionBegin;
   PetscCall(PetscArrayzero(turn, n));
   PetscCall(PetscMalloc5(n, &self.slope, n, &self.below, n, &self.diagonal, n, &change, n, &next));
-  for (int k = 0; k < rod_rule.rest_steps && delta > rod_rule.rest_least; k++) {
+  for (int k = 0; k < rod_rule.rest_steps; k++) {
     PetscReal most = 0, lower;
     energy = Energy(&self, turn);
     if (!Change(&self, delta, change)) {

@@ -1,5 +1,5 @@
 /* What changes in a run, and when: the rows of -change_file, and those that a host program has
-   added. A step ends at each, and steps begin anew there. */
+   added. A step ends at each, and steps begin again there. */
 #ifndef TENDRIL_CHANGES_H
 #define TENDRIL_CHANGES_H
 
@@ -19,7 +19,7 @@ struct _Changes {
 };
 
 PetscErrorCode ChangesRead(Changes *changes);
-PetscErrorCode ChangesTake(const char *file, Changes *changes);
+PetscErrorCode ChangesTake(const char *file, const char *name, Changes *changes);
 PetscErrorCode ChangesDo(Changes *changes, PetscReal t, const char *what, const char *value);
 PetscReal ChangesNext(Changes changes);
 PetscErrorCode ChangesText(Changes changes, char **text);

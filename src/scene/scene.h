@@ -133,6 +133,13 @@ static inline void ScenePlaceToLab(const struct _Scene *scene, const PetscReal x
   for (int d = 0; d < 3; d++) lab[d] += scene->space.place[d];
 }
 
+/* Says of a place which it is, by its label and the time. The rest of it is the caller's. */
+static inline PetscErrorCode ScenePlace(Scene scene, PetscReal s, PetscReal t, Place *at) {
+  at->s = s;
+  at->t = t;
+  return (PetscErrorCode)0;
+}
+
 /* The natural curvature at the label s and time t, and the rate at which it changes for the
    material there (may be NULL). */
 static inline PetscErrorCode SceneCurvature(Scene scene, PetscReal s, PetscReal t, PetscReal *k,

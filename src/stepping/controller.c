@@ -270,14 +270,14 @@ static void TakeStep(TS ts, const Controller *self, Formula *f) {
 
 /* Begins a try: the step's factor, and the step itself if that would change too much in it. */
 static void BeginTry(TS ts, Controller *self, Formula *f) {
-  PetscReal folds;
+  PetscReal efoldings;
 
   TakeStep(ts, self, f);
   f->plain = self->plain_next;
   FormulaTakeFactor(f, self->order);
-  folds = FormulaFolds(f);
-  if (self->fixed || folds <= step_rule.factor_change) return;
-  ts->time_step *= step_rule.factor_change / folds;
+  efoldings = FormulaEfoldings(f);
+  if (self->fixed || efoldings <= step_rule.factor_change) return;
+  ts->time_step *= step_rule.factor_change / efoldings;
   TakeStep(ts, self, f);
   FormulaTakeFactor(f, self->order);
 }
@@ -445,8 +445,8 @@ static PetscErrorCode TryUntilAccepted(TS ts, Controller *self, Formula *f, Pets
   PetscFunctionReturn(0);
 }
 
-/* A step that begins at a kink knows nothing of what is behind it: the history starts anew, and the
-   step is short. */
+/* A step that begins at a kink knows nothing of what is behind it: the history starts again, and
+   the step is short. */
 static void SetOutAnew(TS ts, Controller *self, Formula *f) {
   self->kinked = (PetscBool)(self->kinks && !self->fixed && f->n > 1 && self->kinks(ts, ts->ptime));
   if (!self->kinked) return;
@@ -484,7 +484,7 @@ static void Pass(TS ts, Controller *self, Formula *f) {
 }
 
 /* Ends an accepted step: hands over the state, and sets the size of the next step, times factor.
-   Behind a jump the history starts anew. */
+   Behind a jump the history starts again. */
 static PetscErrorCode EndStep(TS ts, Controller *self, Formula *f, PetscReal factor) {
   PetscFunctionBegin;
   self->since++;

@@ -15,8 +15,8 @@
   and once in a few steps while the rod is straight. From the first contact on cells are no longer
   than the layer over which contact spreads, and it is done once in a few steps, unless the rod
   moves far in one. The parts, in space, in time and so on, are carried along each for itself. What
-  is told is the error that they make in the tip's place (over its distance), |x2| and the energy
-  (each over itself): that of the latest state, and the largest so far.
+  is reported is the error that they make in the tip's place (over its distance), |x2| and the
+  energy (each over itself): that of the latest state, and the largest so far.
 
   An error that grows as exp(gamma t) grows by 1/(1 - gamma h) in a step h of backward Euler,
   without bound where h is 1/gamma; in m parts of it by (1 - gamma h/m)^-m, which is near exp(gamma
@@ -620,20 +620,20 @@ PetscErrorCode EstimateStep(Estimate self, PetscBool jumped, PetscBool touches) 
   PetscFunctionReturn(0);
 }
 
-/* EstimateTold - the largest errors so far, of each part in each of what is seen; of a run that has
-   not got far, those of its start. Collective. */
-PetscErrorCode EstimateTold(Estimate self, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
+/* EstimateReported - the largest errors so far, of each part in each of what is seen; of a run that
+   has not got far, those of its start. Collective. */
+PetscErrorCode EstimateReported(Estimate self, PetscReal reported[ESTIMATE_PARTS][ESTIMATE_SEEN]) {
   const PetscMPIInt n = ESTIMATE_PARTS * ESTIMATE_SEEN;
   const MPI_Comm comm = self->leg->rod->comm;
 
   PetscFunctionBegin;
-  PetscCall(EstimateGet(self, told));
+  PetscCall(EstimateGet(self, reported));
   PetscCallMPI(MPI_Bcast(self->start, n, MPIU_REAL, 0, comm));
   PetscCallMPI(MPI_Bcast(self->began, ESTIMATE_SEEN, MPIU_REAL, 0, comm));
   for (int part = 0; part < ESTIMATE_PARTS; part++)
     for (int k = 0; k < ESTIMATE_SEEN; k++)
       if (EstimateIsEarly(self, self->before, k))
-        told[part][k] = PetscMax(told[part][k], self->start[part][k]);
+        reported[part][k] = PetscMax(reported[part][k], self->start[part][k]);
   PetscFunctionReturn(0);
 }
 

@@ -53,7 +53,8 @@ PetscErrorCode EstimateDestroy(Estimate *estimate);
 PetscErrorCode EstimateSceneChanged(Estimate estimate);
 PetscErrorCode EstimateStep(Estimate estimate, PetscBool jumped, PetscBool touches);
 void EstimateGives(Estimate estimate, PetscReal gives);
-PetscErrorCode EstimateTold(Estimate estimate, PetscReal told[ESTIMATE_PARTS][ESTIMATE_SEEN]);
+PetscErrorCode EstimateReported(Estimate estimate,
+                                PetscReal reported[ESTIMATE_PARTS][ESTIMATE_SEEN]);
 void EstimateLatest(Estimate estimate, PetscReal latest[ESTIMATE_PARTS][ESTIMATE_SEEN],
                     PetscReal rigid[RIGID_VALUES]);
 PetscBool EstimateIsEarly(Estimate estimate, PetscReal t, int seen);

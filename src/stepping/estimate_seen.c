@@ -1,4 +1,4 @@
-/* What errors make of what is seen of a rod: tip, |x2|, energy; what of it is told. */
+/* What errors make of what is seen of a rod: tip, |x2|, energy; what of it is reported. */
 #include "stepping/estimating.h"
 
 /* Of an error over what it is an error of, where that is not. */
@@ -106,8 +106,9 @@ PetscBool EstimateIsEarly(Estimate self, PetscReal t, int k) {
   return (PetscBool)(t - self->began[k] <= step_rule.estimate_early * RodEndTime(self->leg->rod));
 }
 
-/* EstimateCount - takes the errors of a part at t for what is told. Beyond 1 an error is no small
-   one any more, and the linear equations say nothing. What was seen early fades as time goes on,
+/* EstimateCount - takes the errors of a part at t for what is reported. Beyond 1 an error is no
+   small one any more, and the linear equations say nothing. What was seen early fades as time goes
+   on,
 
     start(t) = max(seen(t), start(before) before / t),
 
@@ -124,18 +125,18 @@ PetscErrorCode EstimateCount(Estimate self, PetscReal t, int part) {
   if (part == ESTIMATE_SOFT && self->gives > 0) SeeGives(self, seen);
   if (part == ESTIMATE_SOFT) PetscCall(PetscArraycpy(self->rigid, change, RIGID_VALUES));
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
-    PetscReal *worst = &self->worst[part][k], told;
+    PetscReal *worst = &self->worst[part][k], reported;
     if (PetscIsInfOrNanReal(seen[k])) seen[k] = most = PETSC_MAX_REAL;
     if (seen[k] == unknown) self->began[k] = t;
     if (began[k] == 0 || !EstimateIsEarly(self, t, k)) most = PetscMax(most, seen[k]);
-    told = seen[k] == unknown ? 0 : PetscMin(1, seen[k]);
+    reported = seen[k] == unknown ? 0 : PetscMin(1, seen[k]);
     if (seen[k] == unknown)
       start[k] = 0;
     else if (EstimateIsEarly(self, t, k))
-      start[k] = PetscMax(told, start[k] * (self->before - began[k]) / (t - began[k]));
+      start[k] = PetscMax(reported, start[k] * (self->before - began[k]) / (t - began[k]));
     else
-      *worst = PetscMax(*worst, told);
-    self->now[part][k] = told;
+      *worst = PetscMax(*worst, reported);
+    self->now[part][k] = reported;
   }
   for (PetscInt i = 0; i < self->nodes * self->fields && most > 1; i++)
     e[i] = most < PETSC_MAX_REAL ? e[i] / most : 0;

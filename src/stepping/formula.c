@@ -50,10 +50,11 @@ static PetscReal FactorRate(const Formula *self, int k, PetscReal t) {
 }
 
 /* Behind a step that was cut by far the latest points lie close together, and of those far before
-   them their polynomial says what is no number. (Steps change the factor by 4 folds at most,
+   them their polynomial says what is no number. (Steps change the factor by 4 e-foldings at most,
    controller.c: what is beyond this is an error, and shows as one.) */
-static PetscReal Within(PetscReal folds) {
-  return PetscMax(-step_rule.factor_extrapolated, PetscMin(folds, step_rule.factor_extrapolated));
+static PetscReal Within(PetscReal efoldings) {
+  return PetscMax(-step_rule.factor_extrapolated,
+                  PetscMin(efoldings, step_rule.factor_extrapolated));
 }
 
 /* A(t)/A(t_j) of m points from first on */
@@ -107,16 +108,16 @@ void FormulaTakeFactor(Formula *self, PetscInt q) {
   FactorRatios(self, 0, self->n + 1, self->time[0], self->ratio);
 }
 
-/* FormulaFolds - by how many e-folds the factor changes in the present step, at most; 0 if none is
-   taken. */
-PetscReal FormulaFolds(const Formula *self) {
-  PetscReal folds = 0;
+/* FormulaEfoldings - by how many e-foldings the factor changes in the present step, at most; 0 if
+   none is taken. */
+PetscReal FormulaEfoldings(const Formula *self) {
+  PetscReal efoldings = 0;
 
   for (int k = 0; k < VBDF_FACTORS; k++)
     if (self->taken[k])
-      folds = PetscMax(
-          folds, PetscAbsReal(FactorLog(self, k, self->time[0]) - self->size[1][self->column[k]]));
-  return folds;
+      efoldings = PetscMax(efoldings, PetscAbsReal(FactorLog(self, k, self->time[0]) -
+                                                   self->size[1][self->column[k]]));
+  return efoldings;
 }
 
 /* The log of the Euclidean norm of the first of the fields of one factor; PETSC_MIN_REAL if it has

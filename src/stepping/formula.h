@@ -41,7 +41,7 @@ PetscErrorCode FormulaReset(Formula *formula);
 PetscErrorCode FormulaMeasureSize(Formula *formula, PetscInt i);
 PetscErrorCode FormulaPush(Formula *formula, Vec U);
 void FormulaTakeFactor(Formula *formula, PetscInt order);
-PetscReal FormulaFolds(const Formula *formula);
+PetscReal FormulaEfoldings(const Formula *formula);
 PetscErrorCode FormulaExtrapolate(Formula *formula, PetscInt m, Vec X);
 PetscErrorCode FormulaBegin(Formula *formula, PetscInt order);
 PetscErrorCode FormulaRate(Formula *formula, Vec U);

@@ -63,13 +63,14 @@ static PetscErrorCode SizesNow(Leg *leg, PetscInt k, PetscReal t, PetscReal leas
   PetscCall(RodPartCloseRead(leg->rod, k, leg->U, &U));
   for (int d = 0; d < MIRRORS; d++) least[d] = PetscMax(least[d], blurred[d]);
   for (PetscInt f = 0; f < rod->model->fields; f++) {
-    if (t >= of->kick_ends) of->kick[f] = 0;
-    of->size[f] = PetscMax(of->size[f], of->kick[f]);
+    if (t >= of->onset_ends) of->onset[f] = 0;
+    of->size[f] = PetscMax(of->size[f], of->onset[f]);
   }
   PetscFunctionReturn(0);
 }
 
-/* A step begins: sizes are those that the fields have now, or that a kick will give them. */
+/* A step begins: sizes are those that the fields have now, or that the onset of a wall will give
+ * them. */
 static PetscErrorCode BeforeStep(TS ts) {
   PetscReal t, least[MIRRORS] = {0};
   Leg *leg;
@@ -90,17 +91,17 @@ static PetscErrorCode BeforeStep(TS ts) {
 
 static PetscErrorCode LookForKick(Leg *leg, PetscReal end, PetscInt k) {
   LegMeasure *of = &leg->of[k];
-  PetscBool kick = PETSC_FALSE;
+  PetscBool sets_in = PETSC_FALSE;
 
   PetscFunctionBegin;
   for (PetscInt f = 0; f < leg->rod->model->fields; f++) {
     if (!leg->rod->model->followed[f] || step_rule.wall_onset * of->tried[f] <= of->size[f])
       continue;
-    of->kick[f] = of->size[f] = step_rule.wall_onset * of->tried[f];
-    of->kick_ends = PetscMax(end, of->kick_ends);
-    kick = PETSC_TRUE;
+    of->onset[f] = of->size[f] = step_rule.wall_onset * of->tried[f];
+    of->onset_ends = PetscMax(end, of->onset_ends);
+    sets_in = PETSC_TRUE;
   }
-  if (kick) PetscCall(SetToleranceOf(leg, k));
+  if (sets_in) PetscCall(SetToleranceOf(leg, k));
   PetscFunctionReturn(0);
 }
 
@@ -175,7 +176,7 @@ static PetscErrorCode Reaches(Leg *leg, PetscInt k, PetscReal t, Vec U, PetscBoo
 
 /* A VBDFCheck of a rod that can touch: it has passed through what it cannot, or reaches farther
    than it is long, which Newton's method calls a solution where forces are without measure, or is
-   so deep in a wall that this is to be firmer; and was it kicked? */
+   so deep in a wall that this is to be firmer; and does a wall set in? */
 static PetscErrorCode AfterTry(TS ts, PetscReal t0, PetscReal t1, Vec U0, Vec U1,
                                PetscBool *impossible) {
   PetscInt step;
@@ -262,7 +263,7 @@ static PetscErrorCode MeasureAlongAxes(Leg *leg) {
   PetscFunctionReturn(0);
 }
 
-/* A Newton solve begins: the friction duals start anew, the Jacobian learns of the factor. */
+/* A Newton solve begins: the friction duals start again, the Jacobian learns of the factor. */
 static PetscErrorCode BeforeStage(TS ts, PetscReal t) {
   Leg *leg;
 

@@ -19,7 +19,7 @@ typedef struct {
   PetscReal size[MAX_FIELDS];  /* of the fields, to which the tolerance of this step refers */
   PetscReal tried[MAX_FIELDS]; /* where its latest try has led */
   Vector2 axis;                /* along which those of this step are (rod/sizes.c) */
-  PetscReal kick[MAX_FIELDS], kick_ends; /* least sizes, up to this time: see leg.c */
+  PetscReal onset[MAX_FIELDS], onset_ends; /* least sizes, up to this time: see leg.c */
   PetscReal eased; /* so many times the tolerance of all is that of its own fields */
 } LegMeasure;
 

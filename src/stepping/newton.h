@@ -26,7 +26,7 @@ typedef struct {
   PetscReal halved;           /* the largest residual when it last had halved */
   PetscInt stalled;           /* how many iterations ago that was */
   PetscInt diverges;          /* for how many it has been far above that of the guess */
-  PetscInt holds;             /* how often sticking points were held anew */
+  PetscInt holds;             /* how often sticking points were held again */
   PetscInt waits;             /* how many iterations forces have been waited for */
 } Newton;
 

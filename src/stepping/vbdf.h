@@ -11,7 +11,7 @@
 
 #define TSVBDF "vbdf"
 enum { VBDF_POINTS = 9 };  /* the new one and up to 8 past ones */
-enum { VBDF_FIELDS = 21 }; /* most unknowns of a node */
+enum { VBDF_FIELDS = 23 }; /* most unknowns of a node */
 enum { VBDF_FACTORS = 2 };
 enum { VBDF_MEMORY = 4 }; /* what it remembers besides */
 

@@ -47,7 +47,7 @@ PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion 
 PetscErrorCode StraightTip(Scene scene, PetscReal t, PetscReal *press, PetscReal *turns,
                            PetscReal *drags) {
   StraightMotion tip;
-  Place at = {.t = t, .q = {1, 0}};
+  Place at = {.t = t, .axes = {{1}}};
   PetscReal own;
 
   PetscFunctionBegin;

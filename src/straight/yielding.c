@@ -109,7 +109,7 @@ static PetscErrorCode Shoot(Shot *self, PetscReal p, PetscReal y[2]) {
 /* u at the tip, where the material moves so fast. */
 static PetscReal Wanted(const Shot *self, PetscReal speed) {
   const Tip *tip = &self->scene->tip;
-  const Place at = {.t = self->t, .q = {1, 0}, .x = {self->L, 0, 0}, .v = {speed, 0, 0}};
+  const Place at = {.t = self->t, .axes = {{1}}, .x = {self->L, 0, 0}, .v = {speed, 0, 0}};
 
   if (tip->force == 0 && tip->push[0] == 0) return 1;
   return 1 - TipCompression(tip, &at) / self->scene->growth->yield;

@@ -420,6 +420,22 @@ static PetscErrorCode TakePairs(Rods self) {
   PetscFunctionReturn(0);
 }
 
+/* What each is said to have becomes its options. */
+static PetscErrorCode MakeReadings(Rods self) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) PetscCall(PetscOptionsCreate(&self->rod[k].options));
+  PetscCall(ReadGiven(self));
+  for (PetscInt k = 0; k < self->n; k++) {
+    OneRod *rod = &self->rod[k];
+    for (PetscInt i = 0; i < rod->n; i++)
+      PetscCall(PetscOptionsSetValue(rod->options, rod->said[i].name, rod->said[i].value));
+    PetscCall(ReadingCreate(PETSC_COMM_SELF, rod->options, NULL, &rod->reading));
+    for (int law = 0; law < OWN_LAWS; law++)
+      PetscCall(ReadingSetLaw(rod->reading, (OwnKind)law, OptionsLaw((OwnKind)law)));
+  }
+  PetscFunctionReturn(0);
+}
+
 /*
   RodsRead - the rods of a scene. Collective; the caller destroys them with RodsDestroy(), also
   after an error.
@@ -436,14 +452,25 @@ PetscErrorCode RodsRead(const OptionWords *words, Rods *rods) {
   self = *rods;
   PetscCall(ReadSections(self, words));
   PetscCall(TakePairs(self));
-  for (PetscInt k = 0; k < self->n; k++) PetscCall(PetscOptionsCreate(&self->rod[k].options));
-  PetscCall(ReadGiven(self));
+  PetscCall(MakeReadings(self));
+  PetscFunctionReturn(0);
+}
+
+/* RodsAnew - options of each are again what it is said to have, as before any was read. */
+PetscErrorCode RodsAnew(Rods self) {
+  PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
-    OneRod *rod = &self->rod[k];
-    for (PetscInt i = 0; i < rod->n; i++)
-      PetscCall(PetscOptionsSetValue(rod->options, rod->said[i].name, rod->said[i].value));
-    PetscCall(ReadingCreate(PETSC_COMM_SELF, rod->options, NULL, &rod->reading));
+    PetscCall(ReadingDestroy(&self->rod[k].reading));
+    PetscCall(PetscOptionsDestroy(&self->rod[k].options));
   }
+  PetscCall(MakeReadings(self));
+  PetscFunctionReturn(0);
+}
+
+/* RodsPut - rod k is said to have an option, from the next RodsAnew() on. */
+PetscErrorCode RodsPut(Rods self, PetscInt k, const char *name, const char *value) {
+  PetscFunctionBegin;
+  PetscCall(Say(&self->rod[k], name, value, NULL, 0));
   PetscFunctionReturn(0);
 }
 

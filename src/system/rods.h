@@ -18,6 +18,8 @@ PetscInt RodsCount(Rods rods);
 const char *RodsName(Rods rods, PetscInt k);
 PetscErrorCode RodsEnter(Rods rods, PetscInt k);
 PetscErrorCode RodsLeave(Rods rods);
+PetscErrorCode RodsPut(Rods rods, PetscInt k, const char *name, const char *value);
+PetscErrorCode RodsAnew(Rods rods);
 PetscErrorCode RodsRefuseUnread(Rods rods);
 PetscBool RodsTouch(Rods rods);
 void RodsMeet(Rods rods, PetscInt a, PetscInt b, StrandMeeting *how);

@@ -9,19 +9,19 @@ const OptionGroup accuracy_options = OPTION_GROUP("Accuracy", rows);
 /*
   What chart.sh and accuracy.py of scripts/lab have taught. The largest relative error of tip, |x2|
   and energy is, with vbdf,
-    in time   per_fold F (rtol / 1e-6)^(6/7), where F counts how often x2 falls or grows e-fold:
-              each fold adds its local errors, and the energy doubles them (the mixed model, which
-              has no angle to follow, twice that; so the linear one after a run: where friction
+    in time   per_efolding F (rtol / 1e-6)^(6/7), F of e-foldings by which x2 falls or grows: each
+              adds its local errors, and the energy doubles them (the mixed model, which has no
+              angle to follow, twice that; so the linear one after a run: where friction
               changes along the rod its energy is in shorter waves than the x2 that it follows);
     in space  arc_error h^order of the largest cell, h its arc length at the end of the run, and
-              label_error F / N^order, because an error in a rate of decay adds up over its folds.
+              label_error F / N^order, because an error in a rate of decay adds up over these.
     of the linear model also graded_error F J^4, J the most by which the logarithm of the stretch
               differs from one end of a cell to the other: its splines are smooth in labels;
     in contact  contact_error / N^3, for the mesh decides how stiff contact is (world/contact.c).
   A quarter of the asked error is for time and a sixth for space: the error is then below what is
   asked, and not far below.
 */
-static const PetscReal per_fold = 3e-6;
+static const PetscReal per_efolding = 3e-6;
 static const PetscReal arc_error[] = {0.2, 0.06}, label_error[] = {20, 400}; /* order 2, 4 */
 static const PetscReal graded_error = 0.5;
 static const PetscReal contact_error = 1600, share_of_contact = 0.5;
@@ -40,6 +40,7 @@ static const PetscReal of_strands = 3;
 /* Of a rod that is fed and whose material learns its bend what has learned ends at a front within a
    cell, which is of second order: of 22 random scenes 8 were above it, with this all. */
 static const PetscReal of_front = 5;
+static const PetscReal least_rtol = 1e-13;
 static const PetscReal margin = 1.5, by_weight = 3; /* of the estimate after a run */
 
 typedef struct {
@@ -61,17 +62,18 @@ static PetscErrorCode Is(const char *name, const char *word, PetscBool *is) {
   PetscFunctionReturn(0);
 }
 
-/* How many e-folds the deflection of the straight rod falls and grows: y_t = -(1.875/L)^4 y /
+/* How many e-foldings the deflection of the straight rod falls and grows: y_t = -(1.875/L)^4 y /
    (friction 1 to 1.4) until buckling, then back up until it is visible, if the run is that long.
    That of a rod with a natural curvature does not fall below it. */
-static PetscReal Folds(const Asked *asked) {
+static PetscReal Efoldings(const Asked *asked) {
   PetscReal L = asked->length0, end = L + asked->time, fall;
 
   if (asked->curvature > 0)
-    return PetscMax(FEWEST_FOLDS, -2 * PetscLogReal(PetscMax(1e-30, asked->curvature)));
+    return PetscMax(FEWEST_EFOLDINGS, -2 * PetscLogReal(PetscMax(1e-30, asked->curvature)));
   fall = 4.12 * (1 - 0.3 * asked->mu) * (1 / (L * L * L) - 1 / (end * end * end));
-  return PetscMax(FEWEST_FOLDS, 2 * PetscMin(fall, 80) +
-                                    PetscMax(0, -PetscLogReal(PetscMax(1e-30, asked->amplitude))));
+  return PetscMax(FEWEST_EFOLDINGS,
+                  2 * PetscMin(fall, 80) +
+                      PetscMax(0, -PetscLogReal(PetscMax(1e-30, asked->amplitude))));
 }
 
 /* The cells that see a length which an option gives, if that is in use: so many a length at 1e-4,
@@ -134,8 +136,8 @@ PetscErrorCode AccuracyApply(void) {
   space = share_of_space * asked.tolerance;
   h = PetscPowReal(space / arc_error[asked.order == 4], 1. / asked.order);
   cells = (asked.graded ? 1.5 : 1) * (asked.length0 + asked.time) / h;
-  cells = PetscMax(
-      cells, PetscPowReal(label_error[asked.order == 4] * Folds(&asked) / space, 1. / asked.order));
+  cells = PetscMax(cells, PetscPowReal(label_error[asked.order == 4] * Efoldings(&asked) / space,
+                                       1. / asked.order));
   PetscCall(CellsFor("-friction_layers", "-friction_layer_width", 6, &asked, &cells));
   PetscCall(Is("-growth_type", "apical", &apical));
   if (apical) /* whatever its length, the zone has a part of the cells (material/mesh.c) */
@@ -156,13 +158,14 @@ PetscErrorCode AccuracyTolerance(void) {
   PetscFunctionBegin;
   PetscCall(Read(&asked, &set));
   if (!set) PetscFunctionReturn(0);
-  time = share_of_time * asked.tolerance / (per_fold * (asked.mixed ? 2 : 1) * Folds(&asked));
+  time =
+      share_of_time * asked.tolerance / (per_efolding * (asked.mixed ? 2 : 1) * Efoldings(&asked));
   PetscCall(OptionDefault("-ts_rtol", "%.3g",
-                          PetscMax(1e-13, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
+                          PetscMax(least_rtol, PetscMin(0.01, 1e-6 * PetscPowReal(time, 7. / 6)))));
   PetscFunctionReturn(0);
 }
 
-/* AccuracyTimes - how many times the error that was followed a part is told as. */
+/* AccuracyTimes - how many times the error that was followed a part is reported as. */
 PetscReal AccuracyTimes(int part) {
   if (part == ESTIMATE_LIMIT) return of_beta;
   return part == ESTIMATE_SOFT ? of_stiffness : of_measured;
@@ -198,25 +201,33 @@ void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
   }
 }
 
-/* What gives a part the share that is left to it of an accuracy. */
+/* AccuracyMissing - what gives each part of an error the share that is left to it of an accuracy,
+   by a method of that order. */
+AccuracyNeeds AccuracyMissing(const Errors *error, PetscReal asked, PetscInt order) {
+  const PetscReal share = 0.4 * asked, *part = error->part;
+
+  return (AccuracyNeeds){
+      .cells = PetscPowReal(PetscMax(1, part[ESTIMATE_SPACE] / share), 1. / order),
+      .steps = PetscPowReal(PetscMax(1, part[ESTIMATE_TIME] / share), 7. / 6),
+      .stiffness = PetscPowReal(PetscMax(1, part[ESTIMATE_SOFT] / share), 4. / 3)};
+}
+
+/* What to give to be as accurate as that. */
 static PetscErrorCode Advise(const Errors *error, PetscReal asked, PetscReal rtol, Rod rod,
                              char advice[], size_t room) {
-  const PetscReal share = 0.4, cells = rod->scene->mesh.cells, least = 1e-13;
-  PetscReal space = error->part[ESTIMATE_SPACE] / (share * asked),
-            time = error->part[ESTIMATE_TIME] / (share * asked),
-            soft = error->part[ESTIMATE_SOFT] / (share * asked);
+  const AccuracyNeeds needs = AccuracyMissing(error, asked, rod->order);
   char by_cells[48] = "", by_steps[48] = "", stiffer[48] = "";
 
   PetscFunctionBegin;
-  if (space > 1)
+  if (needs.cells > 1)
     (void)snprintf(by_cells, sizeof(by_cells), " -rod_cells %.0f",
-                   (double)PetscCeilReal(cells * PetscPowReal(space, 1. / rod->order)));
-  if (time > 1)
+                   (double)PetscCeilReal(rod->scene->mesh.cells * needs.cells));
+  if (needs.steps > 1)
     (void)snprintf(by_steps, sizeof(by_steps), " -ts_rtol %.1e",
-                   (double)PetscMax(least, rtol * PetscPowReal(time, -7. / 6)));
-  if (soft > 1)
+                   (double)PetscMax(least_rtol, rtol / needs.steps));
+  if (needs.stiffness > 1)
     (void)snprintf(stiffer, sizeof(stiffer), " -contact_stiffness %.1e",
-                   (double)(rod->scene->contact.stiffness * PetscPowReal(soft, 4. / 3)));
+                   (double)(rod->scene->contact.stiffness * needs.stiffness));
   if (by_cells[0] || by_steps[0] || stiffer[0])
     (void)snprintf(advice, room, "; give%s%s%s", by_cells, by_steps, stiffer);
   else
@@ -251,12 +262,12 @@ PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod,
   run of vbdf, by the fits at the head of this file. Not collective.
 
   rod    at the end of the run, t      rtol   of its steps
-  folds  how often |x2| fell or grew e-fold
+  efoldings  how often |x2| fell or grew e-fold
   weighed these, from the fewest on, as what was added in each weighs in the energy now
   linear was it of the linear model, for a part of the run at least?
   error  out; of the linear model without what it neglects (grow_model.c)
 */
-PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
+PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal efoldings,
                                 PetscReal weighed, PetscBool linear, PetscReal *error) {
   const Mesh *mesh = &rod->scene->mesh;
   PetscBool fourth = (PetscBool)(rod->order == 4);
@@ -270,12 +281,12 @@ PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal 
   for (PetscInt i = 0; i < mesh->cells && rod->model->linear; i++)
     jump = PetscMax(jump, PetscAbsReal(PetscLogReal(g[i + 1] / g[i])));
   PetscCall(PetscFree(g));
-  folds += FEWEST_FOLDS;
-  *error = margin * per_fold * (linear || rod->model == &rod_mixed ? 2 : 1) *
-               (folds + by_weight * PetscMax(0, weighed - folds)) *
+  efoldings += FEWEST_EFOLDINGS;
+  *error = margin * per_efolding * (linear || rod->model == &rod_mixed ? 2 : 1) *
+               (efoldings + by_weight * PetscMax(0, weighed - efoldings)) *
                PetscPowReal(rtol / 1e-6, 6. / 7) +
            arc_error[fourth] * PetscPowReal(h, rod->order) +
-           label_error[fourth] * folds / PetscPowReal(mesh->cells, rod->order) +
-           graded_error * folds * PetscSqr(PetscSqr(jump));
+           label_error[fourth] * efoldings / PetscPowReal(mesh->cells, rod->order) +
+           graded_error * efoldings * PetscSqr(PetscSqr(jump));
   PetscFunctionReturn(0);
 }

@@ -4,7 +4,13 @@
 
 #include "stepping/estimate.h"
 
-enum { FEWEST_FOLDS = 2 }; /* that a run is taken to have */
+enum { FEWEST_EFOLDINGS = 2 }; /* that a run is taken to have */
+
+/* So many times as fine must mesh, steps and contact be, each for its share of an accuracy; 1: it
+   is fine enough. */
+typedef struct {
+  PetscReal cells, steps, stiffness;
+} AccuracyNeeds;
 
 extern const OptionGroup accuracy_options;
 
@@ -15,8 +21,9 @@ PetscReal AccuracyBeyond(PetscBool strands, PetscBool front);
 void AccuracyMeasured(const PetscReal least[ESTIMATE_SEEN],
                       PetscReal worst[ESTIMATE_PARTS][ESTIMATE_SEEN], PetscReal beside,
                       PetscReal beyond, Errors *error);
+AccuracyNeeds AccuracyMissing(const Errors *error, PetscReal asked, PetscInt order);
 PetscErrorCode AccuracyTell(const ErrorEstimate *error, PetscReal rtol, Rod rod, MPI_Comm comm);
-PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal folds,
+PetscErrorCode AccuracyEstimate(Rod rod, PetscReal t, PetscReal rtol, PetscReal efoldings,
                                 PetscReal weighed, PetscBool linear, PetscReal *error);
 
 #endif

@@ -254,8 +254,8 @@ static PetscErrorCode Scan(Scene scene, StraightWay way, Sight *sight) {
 static const PetscReal near = 1e-8;
 
 /* A root near a bracket that belongs to another mesh: widen it till it holds. found: not, if the
-   rod of this one is stable for longer than so, which is the root that is told then: how far it is
-   from those of other meshes is their doubt. */
+   rod of this one is stable for longer than so, which is the root that is reported then: how far it
+   is from those of other meshes is their doubt. */
 static PetscErrorCode RootNear(Factor *self, PetscReal low, PetscReal high, PetscReal longer,
                                PetscReal *root, PetscBool *found) {
   const PetscReal most = high + longer;
@@ -483,7 +483,7 @@ const char *CriticalLooks(const Critical *self, char text[], size_t size) {
   return text;
 }
 
-/* A rod that has no critical time to be told is told why. */
+/* A rod that has no critical time to report is refused with the reason. */
 static PetscErrorCode CheckFate(Scene scene, const Critical *self, Fate fate) {
   char text[64], looks[128], slow[64] = "";
   const Tropism *law = &scene->tropism;

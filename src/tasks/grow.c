@@ -139,7 +139,7 @@ static PetscErrorCode FollowErrors(Grow *self, PetscBool jumped) {
 /* GrowObserve - measures the state at a time, and follows what is followed; U NULL: as it begins.
    Collective. */
 PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
-  PetscReal before = self->seen.t, norm = self->seen.norm_x2, folds = self->kept.folds;
+  PetscReal before = self->seen.t, norm = self->seen.norm_x2, efoldings = self->kept.folds;
   PetscInt iterations = 0, jumps = 0;
   PetscBool jumped = PETSC_FALSE, layered, broken;
   Observation last = self->seen;
@@ -172,7 +172,7 @@ PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t) {
   if (norm > rod_rule.vanished && self->seen.norm_x2 <= rod_rule.vanished)
     self->kept.vanished = PETSC_TRUE;
   PetscCall(GrowNeglect(self, U_t));
-  GrowWeigh(self, &last, self->kept.folds - folds);
+  GrowWeigh(self, &last, self->kept.folds - efoldings);
   self->kept.depth = PetscMax(self->kept.depth, self->seen.penetration);
   self->kept.off = PetscMax(self->kept.off, -self->seen.penetration);
   if (self->seen.contact_force > 0) self->kept.pressed = PETSC_TRUE;
@@ -284,8 +284,9 @@ PetscErrorCode GrowAfterStep(TS ts) {
   PetscFunctionReturn(0);
 }
 
-/* One step of a TS that solves already, as TSSolve() takes it: that would limit it once more. */
-static PetscErrorCode StepOn(TS ts) {
+/* GrowStepOnce - one step of a TS that solves already, as TSSolve() takes it: that would limit it
+   once more. */
+PetscErrorCode GrowStepOnce(TS ts) {
   PetscReal t;
   PetscInt steps;
   Vec U;
@@ -359,7 +360,7 @@ PetscErrorCode GrowStep(Grow *self, PetscReal until) {
   } else if (self->enters)
     PetscCall(TSSolve(ts, self->now->U));
   else
-    PetscCall(StepOn(ts));
+    PetscCall(GrowStepOnce(ts));
   if (!self->waits) PetscCall(AfterSolve(self));
   PetscFunctionReturn(0);
 }
@@ -403,7 +404,7 @@ PetscErrorCode GrowSettle(Grow *self, PetscReal t) {
 }
 
 /* GrowChange - the scene has changed at the present time. Where that acts on the rod, and is not
-   its end alone, steps begin anew there, short, and in the model that leaves nothing out.
+   its end alone, steps begin again there, short, and in the model that leaves nothing out.
    Collective. */
 PetscErrorCode GrowChange(Grow *self, PetscBool acts) {
   PetscFunctionBegin;

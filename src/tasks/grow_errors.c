@@ -46,9 +46,9 @@ static PetscReal Crossed(const Observation *from, const Observation *to) {
 }
 
 /*
-  GrowCross - counts a blind jump to what is seen now: does it cross the start? The steps that cross
-  the layer of a start see nothing between their ends, however short they are: if they have led far,
-  all of them together, nothing is known either.
+  GrowCross - counts an unresolved jump to what is seen now: does it cross the start? The steps that
+  cross the layer of a start see nothing between their ends, however short they are: if they have
+  led far, all of them together, nothing is known either.
 
   last      seen before it, at that time     layered  it is in the layer
 */
@@ -139,7 +139,7 @@ static int Reason(const Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMAT
   say to which side the rod goes; it comes to rest there, and the errors that are carried along
   fade, as if nothing had been. (A touch or a snap that comes a little too soon makes errors as
   large, but those fade for good; and of |x2| alone they say nothing: a rod that is held straight at
-  both ends leaves round-off across.) So what is told later is not less than these.
+  both ends leaves round-off across.) So what is reported later is not less than these.
 */
 static void LookForSide(Grow *self, const PetscReal part[ESTIMATE_PARTS][ESTIMATE_SEEN],
                         const PetscReal off[ESTIMATE_SEEN], PetscBool happens) {
@@ -234,7 +234,7 @@ static PetscErrorCode Measure(Grow *self) {
 
   PetscFunctionBegin;
   Least(self, least);
-  PetscCall(EstimateTold(self->estimate, part));
+  PetscCall(EstimateReported(self->estimate, part));
   AccuracyMeasured(least, part, Beside(self), Beyond(self), &error->most);
   for (int k = 0; k < ESTIMATE_SEEN; k++) {
     const WorstError *worst = &self->kept.worst[k];
@@ -273,7 +273,7 @@ PetscErrorCode GrowErrors(Grow *self) {
     PetscCall(Measure(self));
     PetscFunctionReturn(0);
   }
-  if (self->estimate) PetscCall(EstimateTold(self->estimate, worst));
+  if (self->estimate) PetscCall(EstimateReported(self->estimate, worst));
   PetscCall(AccuracyEstimate(self->now->rod, self->seen.t, self->rtol,
                              PetscMax(self->kept.folds, self->kept.energy_folds / 2),
                              self->kept.weighed, (PetscBool)(self->kept.energy_folds > 0),

@@ -44,7 +44,7 @@ PetscBool GrowIsJammed(Grow *self) {
 
 /*
   GrowSlips - does a rod with weak friction across slip and slip again, each time in no time, so
-  that it gets nowhere? The same on every rank. If so, it begins to count anew.
+  that it gets nowhere? The same on every rank. If so, it begins to count again.
 */
 PetscBool GrowSlips(Grow *self) {
   if (!LoadMaySlip(&self->scene->load) ||
@@ -86,7 +86,7 @@ PetscBool GrowCrawls(Grow *self) {
                      !self->crawl.allowed);
 }
 
-/* GrowFindsNoWay - has firm contact led it nowhere, so that it is to begin anew with soft contact?
+/* GrowFindsNoWay - has firm contact led it nowhere, so that it is to begin again with soft contact?
    Not if it gave up under great force: it is jammed, as it would be in soft contact a little later.
    Nor can a run that goes on from where another one ended. */
 PetscBool GrowFindsNoWay(const Grow *self) {

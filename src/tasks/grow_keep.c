@@ -33,7 +33,7 @@ static PetscErrorCode KeepErrors(Grow *self, RestartState *state, Vec errors[]) 
   PetscFunctionReturn(0);
 }
 
-/* The stepper begins anew from one point. */
+/* The stepper begins again from one point. */
 static void FromOnePoint(const Grow *self, PetscReal t, RestartState *state) {
   state->t = t;
   state->time[0] = 0;

@@ -35,22 +35,22 @@ PetscInt GrowBetterModel(const Grow *self) {
 }
 
 /* GrowWeigh - how much the linear model's energy changes, which tells of the deflection where |x2|
-   is that of a clamp that leans. And its folds once more, as what steps have added in each weighs
-   in the energy: it may be in short waves, small beside |x2|, and when these are what is left, as
-   the root of the energy over |x2| tells, it weighs so much more. */
-void GrowWeigh(Grow *self, const Observation *last, PetscReal folds) {
+   is that of a clamp that leans. And its e-foldings once more, as what steps have added in each
+   weighs in the energy: it may be in short waves, small beside |x2|, and when these are what is
+   left, as the root of the energy over |x2| tells, it weighs so much more. */
+void GrowWeigh(Grow *self, const Observation *last, PetscReal efoldings) {
   const PetscReal size = PetscMax(self->seen.norm_x2, self->seen.norm_x3),
                   before = PetscMax(last->norm_x2, last->norm_x3);
   PetscReal grown;
 
-  if (self->kept.weighed == 0) self->kept.weighed = FEWEST_FOLDS;
+  if (self->kept.weighed == 0) self->kept.weighed = FEWEST_EFOLDINGS;
   if (self->now == &self->leg[LINEAR] && PetscMin(size, before) > rod_rule.vanished &&
       PetscMin(self->seen.energy, last->energy) > grow_rule.energy_vanished) {
     grown = self->seen.energy / last->energy;
     self->kept.energy_folds += PetscAbsReal(PetscLogReal(grown));
     self->kept.weighed *= PetscSqrtReal(grown) * before / size;
   }
-  self->kept.weighed += folds;
+  self->kept.weighed += efoldings;
 }
 
 /* GrowNeglect - the linear model leaves out terms of the square of the angle and, in friction, of

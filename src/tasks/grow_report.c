@@ -95,7 +95,7 @@ PetscErrorCode GrowPaceBegin(Pace *self) {
 }
 
 /* GrowPaceDue - is a line of progress due: every tenth of the run, and every second, and where it
-   is over? left: the time that is left, where that can be told. */
+   is over? left: the time that is left, where that can be reported. */
 PetscBool GrowPaceDue(Pace *self, PetscReal start, PetscReal t, PetscReal end, PetscBool last,
                       char left[32]) {
   PetscLogDouble now;
@@ -164,7 +164,8 @@ static const char *Deep(const Grow *self, PetscReal length, char text[], size_t 
   return text;
 }
 
-/* What there is of contact. How far off it holds a rod that it presses in nowhere is told, too. */
+/* What there is of contact. How far off it holds a rod that it presses in nowhere is reported, too.
+ */
 static PetscErrorCode TellContact(const Grow *self) {
   const Contact *contact = &self->scene->contact;
   char deep[160], off[160], held[192] = "";
@@ -285,7 +286,7 @@ static PetscErrorCode TellErrors(const Grow *self, PetscInt snaps) {
 }
 
 /* What was to end the run and did not. */
-static PetscErrorCode TellNotReached(const Grow *self) {
+static PetscErrorCode TellNotReached(const Grow *self, const char *rod) {
   MPI_Comm comm = self->scene->comm;
   const Watch *watch = &self->watch;
   char text[2][64];
@@ -296,8 +297,9 @@ static PetscErrorCode TellNotReached(const Grow *self) {
     OptionBoth(self->seen.t, UNIT_TIME, text[0]);
     OptionBoth(watch->bound[k], k == EVENT_ANGLE || k == EVENT_STALL ? UNIT_NONE : UNIT_LENGTH,
                text[1]);
-    PetscCall(PetscPrintf(comm, "not reached by t = %s: -stop_%s%s%s\n", text[0], event_name[k],
-                          k == EVENT_CONTACT ? "" : " ", k == EVENT_CONTACT ? "" : text[1]));
+    PetscCall(PetscPrintf(comm, "%snot reached by t = %s: -stop_%s%s%s\n", rod, text[0],
+                          event_name[k], k == EVENT_CONTACT ? "" : " ",
+                          k == EVENT_CONTACT ? "" : text[1]));
   }
   PetscFunctionReturn(0);
 }
@@ -320,7 +322,7 @@ static PetscErrorCode TellClamp(const Grow *self) {
 }
 
 /* Where on the rod an event was, or what it reached. */
-static PetscErrorCode TellEvent(Grow *self) {
+static PetscErrorCode TellEvent(const Grow *self, const char *rod) {
   MPI_Comm comm = self->scene->comm;
   const Event *event = &self->event;
   char text[4][64];
@@ -335,7 +337,7 @@ static PetscErrorCode TellEvent(Grow *self) {
              : event->kind == EVENT_FORCE ? UNIT_FORCE
                                           : UNIT_NONE,
              text[3]);
-  PetscCall(PetscPrintf(comm, "stopped at t = %s: ", text[0]));
+  PetscCall(PetscPrintf(comm, "%sstopped at t = %s: ", rod, text[0]));
   if (event->kind == EVENT_LENGTH)
     PetscCall(PetscPrintf(comm, "length %s\n", text[3]));
   else if (event->kind == EVENT_CONTACT && event->s[1] < 0)
@@ -346,6 +348,8 @@ static PetscErrorCode TellEvent(Grow *self) {
     PetscCall(PetscPrintf(comm, "growth slowed down to %s of its speed without force\n", text[3]));
   else if (event->kind == EVENT_ANGLE)
     PetscCall(PetscPrintf(comm, "an angle of %s at s = %s\n", text[3], text[1]));
+  else if (*rod)
+    PetscCall(PetscPrintf(comm, "touches a rod at s = %s\n", text[1]));
   else
     PetscCall(PetscPrintf(comm, "touches itself at s = %s and %s\n", text[1], text[2]));
   PetscFunctionReturn(0);
@@ -471,6 +475,16 @@ static PetscErrorCode TellStall(const Grow *self) {
   PetscFunctionReturn(0);
 }
 
+/* GrowTellEvents - what has ended the run, or was to and has not.
+
+   rod  "NAME: " of several; "": there is one */
+PetscErrorCode GrowTellEvents(const Grow *self, const char *rod) {
+  PetscFunctionBegin;
+  PetscCall(TellEvent(self, rod));
+  PetscCall(TellNotReached(self, rod));
+  PetscFunctionReturn(0);
+}
+
 /* GrowSummary - the last words on a run. Collective. */
 PetscErrorCode GrowSummary(Grow *self) {
   const Observation *seen = &self->seen;
@@ -504,8 +518,7 @@ PetscErrorCode GrowSummary(Grow *self) {
   PetscCall(TellStraight(self));
   PetscCall(TellContact(self));
   PetscCall(TellStall(self));
-  PetscCall(TellEvent(self));
-  PetscCall(TellNotReached(self));
+  PetscCall(GrowTellEvents(self, ""));
   if (!OutputStores(self->output))
     PetscCall(PetscPrintf(self->scene->comm, "nothing is stored; -output FILE keeps the result\n"));
   PetscFunctionReturn(0);

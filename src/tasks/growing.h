@@ -58,7 +58,7 @@ typedef struct {
   int stopped;             /* the signal that all ranks have agreed to stop on */
   Pace pace;
   Watch watch;
-  PetscReal shared;  /* viscous share of friction that has been told, see LoadShareMore() */
+  PetscReal shared;  /* viscous share of friction that has been reported, see LoadShareMore() */
   PetscBool slips;   /* it does all the same, without end: the run ends for that */
   PetscBool jammed;  /* the run ends for that */
   PetscReal to_lamp; /* how near the tip has come to the lamp in the latest step */
@@ -95,13 +95,14 @@ Leg *GrowOwnLeg(Grow *self);
 PetscErrorCode GrowAddLeg(Grow *self, PetscInt model);
 PetscErrorCode GrowHandOver(Grow *self, Leg *to);
 PetscErrorCode GrowNeglect(Grow *self, Vec U_t);
-void GrowWeigh(Grow *self, const Observation *last, PetscReal folds);
+void GrowWeigh(Grow *self, const Observation *last, PetscReal efoldings);
 
 /* grow.c: the loop, and a run by steps */
 PetscErrorCode GrowObserve(Grow *self, PetscReal t, Vec U, Vec U_t);
 PetscErrorCode GrowStore(Grow *self, PetscBool finished);
 PetscErrorCode GrowStoreShape(Grow *self, PetscReal t, Vec U);
 PetscErrorCode GrowAfterStep(TS ts);
+PetscErrorCode GrowStepOnce(TS ts);
 PetscErrorCode GrowStep(Grow *self, PetscReal until);
 PetscErrorCode GrowWithin(Grow *self, PetscReal t, Vec V[2], PetscReal *begin);
 PetscErrorCode GrowSettle(Grow *self, PetscReal t);
@@ -114,6 +115,9 @@ PetscErrorCode GrowEnd(Grow *self, PetscBool finished);
 PetscErrorCode GrowFinish(Grow *self, PetscBool *again);
 
 /* grow_changes.c */
+PetscErrorCode GrowMayChange(Grow *self, const char *name, const char *value, PetscReal t);
+PetscErrorCode GrowPutOption(const char *name, const char *value, char before[PETSC_MAX_PATH_LEN]);
+PetscErrorCode GrowPutBack(const char *name, const char *before, PetscBool failed);
 PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);
 PetscErrorCode GrowStepOn(Grow *self, PetscReal until);
 PetscErrorCode GrowTellNotReached(Grow *self);
@@ -149,6 +153,7 @@ PetscBool GrowPaceDue(Pace *pace, PetscReal start, PetscReal t, PetscReal end, P
                       char left[32]);
 PetscErrorCode GrowProgress(Grow *self, PetscBool last);
 PetscErrorCode GrowCount(const Grow *self, PetscReal counted[2]);
+PetscErrorCode GrowTellEvents(const Grow *self, const char *rod);
 PetscErrorCode GrowSummary(Grow *self);
 
 /* grow_sensitivity.c */

@@ -1,20 +1,18 @@
-/* A run of several rods begins: their scenes, the leg of all, what is seen of each, and what is
-   refused. */
+/* -task grow of several rods: what is asked for, and how they begin. */
+#include "tasks/several_run.h"
 #include "rod/ask.h"
 #include "system/model.h"
-#include "tasks/several_run.h"
 #include "tasks/single.h"
-
-/* ---- what is asked for ---- */
 
 /* Refuses what several rods together cannot yet. */
 static PetscErrorCode CheckRod(const Scene scene) {
   PetscFunctionBegin;
+  UserCheck(scene->growth->yield == 0, OptionsComm(),
+            "-growth_yield: several rods do not feel force as they grow in this version; take it "
+            "out");
   UserCheck(!scene->tropism.any, OptionsComm(),
             "-tropism_ options and -growth_ironing: several rods do not know of a natural "
             "curvature that the material learns in this version; take them out");
-  UserCheck(!scene->changes, OptionsComm(),
-            "-change_file: several rods are not changed in a run in this version; take it out");
   PetscFunctionReturn(0);
 }
 
@@ -57,20 +55,17 @@ static PetscErrorCode ReadTolerance(Run *self) {
     if (!touches) PetscCall(OptionGiven("-contact_self", &touches));
     PetscCall(RodsLeave(self->rods));
   }
+  PetscCall(RunAccuracy(self, touches));
   PetscCall(GrowTolerance(touches, &self->rtol, &self->eased));
   PetscFunctionReturn(0);
 }
 
 static PetscErrorCode ReadOptions(Run *self) {
-  PetscBool given, interval, number;
+  PetscBool interval, number;
   PetscInt model, shapes;
   PetscReal every;
 
   PetscFunctionBegin;
-  PetscCall(OptionGiven("-accuracy", &given));
-  UserCheck(!given, OptionsComm(),
-            "-accuracy: is not known of several rods in this version; give -ts_rtol and "
-            "-rod_cells");
   PetscCall(OptionDefault("-rod_model", "space"));
   PetscCall(OptionWord("-rod_model", &model, NULL));
   UserCheck(model == SPACE || model == AUTO, OptionsComm(),
@@ -82,12 +77,10 @@ static PetscErrorCode ReadOptions(Run *self) {
   PetscCall(OptionReal("-output_interval", &every, &interval));
   UserCheck(!(interval && number), OptionsComm(),
             "-output_shapes: -output_interval says already when shapes are stored; leave one out");
-  if (!number && !interval && !self->file.path[0]) shapes = 1;
+  if (!number && !interval && !self->file.path[0] && !self->by_steps) shapes = 1;
   self->interval = interval ? every : self->end / (PetscReal)shapes;
   PetscFunctionReturn(0);
 }
-
-/* ---- beginning ---- */
 
 static PetscErrorCode MakeLeg(Run *self) {
   Rod *each, all;
@@ -124,6 +117,7 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
   grow->model = SPACE;
   grow->rtol = self->rtol;
   grow->quiet = PETSC_TRUE;
+  grow->by_steps = self->by_steps;
   grow->end = self->end;
   grow->reach = grow->scene->reach;
   grow->now = &grow->leg[SPACE];
@@ -135,6 +129,7 @@ static PetscErrorCode MakeSeen(Run *self, PetscInt k) {
     PetscCall(EstimatePart(self->estimate, k, grow->now, &grow->estimate));
   else
     PetscCall(EstimateCreate(grow->now, &grow->estimate));
+  PetscCall(WatchSetFromOptions(&grow->watch, grow->scene));
   PetscCall(ObserverCreate(grow->scene, &grow->observer));
   if (grow->scene->contact.among) ObserverAmong(grow->observer, RunTellStrands, self, k);
   PetscCall(OutputCreate("", grow->scene, &grow->output));
@@ -194,12 +189,14 @@ static PetscErrorCode CheckRings(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* RunBegin - the rods of the scene as they begin, or as the file has them from which they go
+   on. The caller ends it with RunEnd(), also after an error. */
 PetscErrorCode RunBegin(Run *self) {
   const OptionWords *given = &OptionsLine()->taken;
 
   PetscFunctionBegin;
   if (self->restart[0]) PetscCall(RunReadRestart(self));
-  PetscCall(RodsRead(given->sections ? given : &self->words, &self->rods));
+  if (!self->rods) PetscCall(RodsRead(given->sections ? given : &self->words, &self->rods));
   self->n = RodsCount(self->rods);
   UserCheck(self->n > 0, OptionsComm(), "[rods]: the table has no row, and so there is no rod");
   if (self->restart[0]) PetscCall(RunCheckSame(self));
@@ -208,7 +205,10 @@ PetscErrorCode RunBegin(Run *self) {
   PetscCall(JointsRead(self->rods, &self->joints));
   PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
   PetscCall(MakeLeg(self));
+  PetscCall(RunTakeChanges(self));
   self->leg.owner = self;
+  self->enters = PETSC_TRUE;
+  self->U = self->leg.U;
   PetscCall(TSSetMaxTime(self->leg.ts, self->end));
   PetscCall(TSSetPostStep(self->leg.ts, RunAfterStep));
   PetscCall(LegEndAtTurns(&self->leg));
@@ -235,11 +235,35 @@ PetscErrorCode RunBegin(Run *self) {
   if (self->restart[0])
     PetscCall(RunGoOn(self));
   else {
+    PetscCall(RunRefuseEvents(self));
     PetscCall(RunLook(self, 0, PETSC_TRUE));
     PetscCall(RunStoreShape(self, 0, NULL));
     self->next_output = self->interval;
   }
   self->ready = PETSC_TRUE;
   PetscCall(SeveralStore(&self->file, self->t, PETSC_FALSE)); /* what cannot be written shows */
+  PetscFunctionReturn(0);
+}
+
+PetscErrorCode RunEnd(Run *self) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n && self->each; k++) {
+    PetscCall(OutputDestroy(&self->each[k].output));
+    PetscCall(ObserverDestroy(&self->each[k].observer));
+    PetscCall(EstimateDestroy(&self->each[k].estimate));
+    PetscCall(LegPartEnd(&self->each[k].leg[SPACE]));
+  }
+  for (int i = 0; i < 2; i++) PetscCall(VecDestroy(&self->here[i]));
+  PetscCall(EstimateDestroy(&self->estimate));
+  PetscCall(LegDestroy(&self->leg));
+  for (int i = 0; i < 2; i++) PetscCall(StrandsDestroy(&self->strands[i]));
+  for (PetscInt k = 0; k < self->n && self->scene; k++) PetscCall(SceneDestroy(&self->scene[k]));
+  PetscCall(PetscFree3(self->scene, self->each, self->output));
+  if (self->begun) PetscCall(SeveralEnd(&self->file));
+  PetscCall(JointsDestroy(&self->joints));
+  PetscCall(RodsDestroy(&self->rods));
+  PetscCall(PetscFree(self->own));
+  PetscCall(PetscFree(self->finer));
+  WordsFree(&self->words);
   PetscFunctionReturn(0);
 }

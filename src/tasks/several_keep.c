@@ -1,7 +1,6 @@
-/* What a run of several rods needs to go on is kept in its file, and read from there. */
-#include "rod/ask.h"
-#include "stepping/vbdf.h"
+/* -task grow of several rods: what a run needs to go on. */
 #include "tasks/several_run.h"
+#include "rod/ask.h"
 
 /* The errors of one rod, which are followed, as its part of those of all; back: taken from there.
  */
@@ -33,7 +32,7 @@ static PetscErrorCode KeepEach(Run *self, RestartState own[], Vec all[]) {
   PetscFunctionReturn(0);
 }
 
-/* Keeps it in a file that is being written. */
+/* RunKeep - keeps it in a file that is being written: of a Several. */
 PetscErrorCode RunKeep(void *ctx, HdfFile file) {
   Run *self = (Run *)ctx;
   Vec points[VBDF_POINTS], errors[ESTIMATE_KEPT];
@@ -49,6 +48,7 @@ PetscErrorCode RunKeep(void *ctx, HdfFile file) {
   }
   PetscCall(KeepEach(self, own, errors));
   PetscCall(RestartKeep(&self->leg, self->t, self->leg.U, &state, points));
+  if (self->each[0].kept.changed) state.points = state.order = 1; /* steps begin anew */
   PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
   PetscCall(TSGetStepRejections(self->leg.ts, &rejected));
   state.counted[0] = self->counted[0] + iterations;
@@ -61,10 +61,20 @@ PetscErrorCode RunKeep(void *ctx, HdfFile file) {
   PetscFunctionReturn(0);
 }
 
-/* Reads it, and the rods of the file, which count unless the scene is given anew. */
+/* What ended the earlier run does not end this one, too. */
+static void DropEvents(OptionWords *words) {
+  for (int k = 0; k < words->sections; k++)
+    for (int i = words->section[k].n - 1; i >= 0; i--) {
+      const OptionRow *row = OptionFind(words->section[k].option[i].name);
+      if (row && row->flags & EVENT) SectionDrop(&words->section[k], i);
+    }
+}
+
+/* RunReadRestart - reads it, and the rods of the file, which count unless the scene is given
+   again. */
 PetscErrorCode RunReadRestart(Run *self) {
   char fault[WORDS_FAULT] = "", *text;
-  PetscBool begun;
+  PetscBool begun, stopped;
 
   PetscFunctionBegin;
   PetscCall(HdfHas(self->restart, "/restart/each", &begun));
@@ -74,11 +84,13 @@ PetscErrorCode RunReadRestart(Run *self) {
   PetscCall(HdfReadText("-restart", self->restart, "/rods/text", &text));
   UserCheck(WordsAddText(&self->words, self->restart, text, fault), OptionsComm(), "%s", fault);
   PetscCall(PetscFree(text));
+  PetscCall(HdfHas(self->restart, "/event", &stopped));
+  if (stopped) DropEvents(&self->words);
   PetscCall(RememberedRead(self->restart, OptionsComm(), &self->from));
   PetscFunctionReturn(0);
 }
 
-/* The rods are those of the file, in its order. */
+/* RunCheckSame - the rods are those of the file, in its order. */
 PetscErrorCode RunCheckSame(const Run *self) {
   PetscInt rods = 0;
 
@@ -96,7 +108,7 @@ PetscErrorCode RunCheckSame(const Run *self) {
   PetscFunctionReturn(0);
 }
 
-/* What each remembers. */
+/* RunReadEach - what each remembers. */
 PetscErrorCode RunReadEach(Run *self) {
   char text[64];
 
@@ -107,14 +119,6 @@ PetscErrorCode RunReadEach(Run *self) {
   PetscCall(PetscMalloc1(self->n, &self->own));
   PetscCall(RememberedReadEach(self->restart, OptionsComm(), self->n, self->own));
   PetscFunctionReturn(0);
-}
-
-/* The tolerance of all is the finest of theirs, and each has its own: what contact puts one off by
-   says nothing of one that is free. */
-void RunEaseEach(Run *self, PetscReal finest) {
-  self->leg.ease.times = finest;
-  for (PetscInt k = 0; k < self->n; k++)
-    self->leg.of[k].eased = self->each[k].now->ease.times / finest;
 }
 
 /* One rod goes on. */
@@ -141,18 +145,19 @@ static PetscErrorCode GoOnEach(Run *self, PetscInt k, Vec all[]) {
   grow->now->ease.times = PetscMin(state->ease, grow->now->ease.most);
   grow->now->ease.wants = PetscMin(state->wants, grow->now->ease.most);
   grow->now->ease.others = state->others;
-  PetscCall(PetscArraycpy(of->kick, state->kick, RESTART_KICKS));
-  of->kick_ends = state->kick_ends;
+  PetscCall(PetscArraycpy(of->onset, state->kick, RESTART_KICKS));
+  of->onset_ends = state->kick_ends;
   PetscFunctionReturn(0);
 }
 
-/* All of them do. */
+/* RunGoOn - all of them do. */
 PetscErrorCode RunGoOn(Run *self) {
   Vec errors[ESTIMATE_KEPT];
   char text[64];
 
   PetscFunctionBegin;
   PetscCall(RestartTake(self->restart, &self->from, &self->leg));
+  self->U_t = self->leg.newton.latest.U_t;
   for (int i = 0; i < ESTIMATE_KEPT; i++) PetscCall(VecDuplicate(self->leg.U, &errors[i]));
   PetscCall(RestartReadErrors(self->restart, &self->from, PETSC_COMM_SELF, errors));
   for (PetscInt k = 0; k < self->n; k++) PetscCall(GoOnEach(self, k, errors));
@@ -162,6 +167,7 @@ PetscErrorCode RunGoOn(Run *self) {
   self->snaps = (PetscInt)self->from.kept.snaps;
   PetscCall(PetscArraycpy(self->counted, self->from.counted, 2));
   PetscCall(SeveralTake(&self->file, self->restart, self->t, self->interval));
+  PetscCall(RunRefuseEvents(self));
   self->next_output = OutputNext(self->t, self->interval);
   if (!self->quiet)
     PetscCall(PetscPrintf(PETSC_COMM_SELF, "goes on from t = %s of %s, into %s\n",

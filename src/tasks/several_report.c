@@ -1,5 +1,4 @@
-/* What a run of several rods prints: its heading, lines of progress, a line for each rod, and how
-   it ended. */
+/* -task grow of several rods: what is told of them, and the end. */
 #include "tasks/several_run.h"
 #include <petsctime.h>
 
@@ -16,6 +15,7 @@ static PetscErrorCode TellApart(const Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* RunHeading - the first lines. */
 PetscErrorCode RunHeading(Run *self) {
   PetscReal factor;
   const char *unit = OptionShownIn(self->end, UNIT_TIME, &factor);
@@ -31,6 +31,7 @@ PetscErrorCode RunHeading(Run *self) {
   PetscFunctionReturn(0);
 }
 
+/* RunProgress - a line now and then. */
 PetscErrorCode RunProgress(Run *self, PetscBool last) {
   PetscReal length = 0, time, unit;
   char left[32];
@@ -49,7 +50,7 @@ PetscErrorCode RunProgress(Run *self, PetscBool last) {
 
 /* A line for each rod. */
 static PetscErrorCode TellRods(Run *self) {
-  char text[4][32];
+  char text[4][32], name[ROD_NAME + 2];
 
   PetscFunctionBegin;
   for (PetscInt k = 0; k < self->n; k++) {
@@ -64,11 +65,14 @@ static PetscErrorCode TellRods(Run *self) {
     if (error->kind != ESTIMATE_NONE)
       PetscCall(PetscPrintf(PETSC_COMM_SELF, ", error estimate %.1e", (double)error->end.all));
     PetscCall(PetscPrintf(PETSC_COMM_SELF, "\n"));
+    (void)snprintf(name, sizeof(name), "%s: ", RodsName(self->rods, k));
+    if (self->stopped_by < 0 || self->stopped_by == k)
+      PetscCall(GrowTellEvents(&self->each[k], name));
   }
   PetscFunctionReturn(0);
 }
 
-PetscErrorCode RunSummary(Run *self) {
+static PetscErrorCode Summary(Run *self) {
   PetscInt steps, rejected, iterations;
   PetscLogDouble now;
   char text[64];
@@ -108,7 +112,7 @@ static PetscInt Fastest(const Run *self) {
   return which;
 }
 
-PetscErrorCode RunVerdict(Run *self) {
+static PetscErrorCode Verdict(Run *self) {
   const char *const kept = self->file.path[0] ? "the results up to there are stored"
                                               : "nothing is stored without "
                                                 "-output FILE";
@@ -116,6 +120,7 @@ PetscErrorCode RunVerdict(Run *self) {
   PetscReal dt;
 
   PetscFunctionBegin;
+  if (self->stopped_by >= 0) PetscFunctionReturn(0);
   PetscCall(TSGetTimeStep(self->leg.ts, &dt));
   OptionBoth(self->t, UNIT_TIME, t);
   OptionBoth(dt, UNIT_TIME, step);
@@ -128,5 +133,28 @@ PetscErrorCode RunVerdict(Run *self) {
             "tells more, or give more -rod_cells",
             t, step, self->leg.passes ? ": a rod would pass through a wall" : "", kept,
             RodsName(self->rods, Fastest(self)));
+  PetscFunctionReturn(0);
+}
+
+/* RunFinish - what a run leaves that is over, and the line for an end that was not asked for.
+
+   again  it is to be run once more, as accurate as asked for */
+PetscErrorCode RunFinish(Run *self, PetscBool *again) {
+  char text[2][64] = {""};
+
+  PetscFunctionBegin;
+  PetscCall(Summary(self));
+  if (self->t != self->stored_shape) PetscCall(RunStoreShape(self, self->t, self->leg.U));
+  if (self->stopped)
+    (void)snprintf(text[0], sizeof(text[0]), "by signal %d at t = %.30s", self->stopped,
+                   OptionBoth(self->t, UNIT_TIME, text[1]));
+  for (PetscInt k = 0; k < self->n; k++) {
+    PetscCall(OutputEvent(self->output[k], &self->each[k].event));
+    PetscCall(OutputInterrupted(self->output[k], text[0]));
+  }
+  PetscCall(SeveralStore(&self->file, self->t,
+                         (PetscBool)(self->reason == TS_CONVERGED_TIME || self->stopped_by >= 0)));
+  PetscCall(Verdict(self));
+  PetscCall(RunRefine(self, again));
   PetscFunctionReturn(0);
 }

@@ -1,6 +1,8 @@
-/* Where rods of a run touch each other: what looks for it, and at which times. */
-#include "stepping/vbdf.h"
+/* -task grow of several rods: strands of those that may touch, for the stepper and for who looks.
+ */
 #include "tasks/several_run.h"
+#include "rod/ask.h"
+#include "stepping/vbdf.h"
 
 /* RodsMeet() */
 static PetscErrorCode Meet(void *ctx, PetscInt a, PetscInt b, StrandMeeting *how) {
@@ -31,7 +33,7 @@ static PetscErrorCode JoinStrands(const Run *self, Strands strands) {
   PetscFunctionReturn(0);
 }
 
-/* What looks for strands, if any rod can touch itself or another one. */
+/* RunMakeStrands - what looks for strands, if any rod can touch itself or another one. */
 PetscErrorCode RunMakeStrands(Run *self) {
   PetscBool any = PETSC_FALSE;
 
@@ -62,13 +64,12 @@ static PetscErrorCode LookForStrands(Run *self, PetscReal t, Vec U, Vec U_t) {
 /* ... at a time: that which has been come to, or one within the latest step, where the state is by
    the stepper's dense output. */
 static PetscErrorCode LookAtTime(Run *self, PetscReal t, PetscBool moves) {
-  const RodState *latest = &self->leg.newton.latest;
   PetscBool known;
   Vec U, U_t;
 
   PetscFunctionBegin;
   if (t == self->t) {
-    PetscCall(LookForStrands(self, t, self->leg.U, moves ? latest->U_t : NULL));
+    PetscCall(LookForStrands(self, t, self->U, moves ? self->U_t : NULL));
     PetscFunctionReturn(0);
   }
   PetscCall(DMGetGlobalVector(self->leg.rod->da, &U));
@@ -81,9 +82,10 @@ static PetscErrorCode LookAtTime(Run *self, PetscReal t, PetscBool moves) {
   PetscFunctionReturn(0);
 }
 
-/* ... once at a time. */
+/* RunKnowStrands - the strands are those of a time; moves: with rates. Looked for once at a time.
+ */
 PetscErrorCode RunKnowStrands(Run *self, PetscReal t, PetscBool moves) {
-  const RodState at = {.t = t, .U = self->leg.U, .U_t = self->leg.U};
+  const RodState at = {.t = t, .U = self->U, .U_t = self->U};
   PetscBool known;
 
   PetscFunctionBegin;
@@ -93,7 +95,7 @@ PetscErrorCode RunKnowStrands(Run *self, PetscReal t, PetscBool moves) {
   PetscFunctionReturn(0);
 }
 
-/* A TouchingTell. */
+/* RunTellStrands - a TouchingTell of rod k. */
 PetscErrorCode RunTellStrands(void *ctx, PetscInt k, PetscReal t, PetscBool moves, StrandsOn *on) {
   Run *self = (Run *)ctx;
   const PetscInt first = 2 * StrandsFirst(self->strands[1], k);

@@ -55,7 +55,6 @@ PetscErrorCode SingleAsked(PetscInt task, const char *output, Single *asked) {
   UserCheck(!go_on || asked->task == TASK_GROW, OptionsComm(),
             "-restart: only -task grow has something to go on with; take it out");
   PetscCall(OptionsCheckTypes());
-  if (asked->task == TASK_GROW) PetscCall(AccuracyApply());
   PetscFunctionReturn(0);
 }
 
@@ -164,6 +163,7 @@ static PetscErrorCode RunTask(Scene scene, const Single *asked, Member *member) 
 PetscErrorCode SingleScene(PetscInt task, const char *output, Single *asked, Scene *scene) {
   PetscFunctionBegin;
   PetscCall(SingleAsked(task, output, asked));
+  if (task == TASK_GROW) PetscCall(AccuracyApply());
   PetscCall(SceneCreate(scene));
   if (task == TASK_GROW) PetscCall(SingleShape(*scene));
   PetscFunctionReturn(0);

@@ -42,8 +42,6 @@ typedef struct {
   PetscReal spin;
 } Rubbed;
 
-enum { SPIN = 3 }; /* which component of what rubs the spin is */
-
 /* What a wall does to it: force and couple about the tangent, per length (to the tip: times l),
    with their derivatives by x, q, v and, last of W, the spin. */
 typedef struct {

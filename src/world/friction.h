@@ -9,6 +9,7 @@
 
 #include "base/extremes.h" /* who asks how fast a place creeps moves what holds it */
 #include "base/options.h"
+#include "curve/place.h"
 
 typedef enum { NEWTON_PRIMAL, NEWTON_PRIMAL_DUAL } FrictionNewton;
 
@@ -21,8 +22,6 @@ typedef struct {
   FrictionNewton newton;
   OwnLaw *own; /* phi; NULL: as above */
 } Friction;
-
-enum { RUBS = 4 }; /* components of what rubs, at most: a velocity and, times a radius, a spin */
 
 /* What Newton's method remembers of one friction point: the velocity and the dual w (the dry force
    over mu, |w| <= 1) of its latest linearisation; for exact Coulomb friction also the shift that

@@ -113,7 +113,7 @@ static PetscReal FactorAt(const Load *load, const Place *at, PetscReal by[3]) {
 
 /* LoadVary - f <- N M f, and in space N times the couple. */
 void LoadVary(int dims, const Load *load, const Place *at, PetscReal f[RUBS]) {
-  const PetscReal *q = at->q, a = load->across;
+  const PetscReal *q = at->axes[0], a = load->across;
   PetscReal by[3], N = FactorAt(load, at, by);
 
   if (dims == 2) {
@@ -132,7 +132,7 @@ void LoadVary(int dims, const Load *load, const Place *at, PetscReal f[RUBS]) {
 static void VarySlopeInPlane(const Load *load, const Place *at, const FrictionDual *dual,
                              LoadSlope *slope) {
   enum { DIMS = 2 };
-  const PetscReal *q = at->q, perp[] = {-q[1], q[0]}, a = load->across;
+  const PetscReal *q = at->axes[0], perp[] = {-q[1], q[0]}, a = load->across;
   PetscReal by[3], N = FactorAt(load, at, by), f[RUBS], along, across;
 
   for (int c = 0; c < DIMS; c++) {
@@ -152,7 +152,7 @@ static void VarySlopeInPlane(const Load *load, const Place *at, const FrictionDu
 /* dN M f: by W, as friction feels it, by q and by x. */
 static void VarySlopeInSpace(const Load *load, const Place *at, const PetscReal W[RUBS],
                              const FrictionDual *dual, LoadSlope *slope) {
-  const PetscReal *q = at->q, a = load->across;
+  const PetscReal *q = at->axes[0], a = load->across;
   PetscReal by[3], N = FactorAt(load, at, by), f[RUBS], along;
 
   for (int c = 0; c < RUBS; c++) {

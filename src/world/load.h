@@ -22,6 +22,7 @@
 #ifndef TENDRIL_LOAD_H
 #define TENDRIL_LOAD_H
 
+#include "curve/place.h"
 #include "world/contact_push.h"
 #include "world/field.h"
 
@@ -48,13 +49,6 @@ typedef struct {
   PetscReal resolved; /* ... and then: the speed that steps of tolerance 1e-6 resolve */
   PetscBool shared;   /* a viscous share was given to dry friction, see LoadShareMore() */
 } Load;
-
-/* Where on the rod, and how fast; all in the clamp's frame. In the plane the third components are
-   0. */
-typedef struct {
-  PetscReal t, x[3], q[3]; /* time, position, tangent */
-  PetscReal v[RUBS];       /* velocity of the material, and in space load->arm times its spin */
-} Place;
 
 /* The derivatives of the force and, last, of the couple: by W, q and x; in the plane by the angle
    of the rod in place of q. */
@@ -118,7 +112,7 @@ static inline void LoadFelt(int dims, const Load *load, const Place *at, PetscRe
 
 /* What walls see of a place. */
 static inline Rubbed LoadRubbed(const Load *load, const Place *at) {
-  return (Rubbed){at->x, at->q, at->v, load->arm > 0 ? at->v[SPIN] / load->arm : 0};
+  return (Rubbed){at->x, at->axes[0], at->v, load->arm > 0 ? at->v[SPIN] / load->arm : 0};
 }
 
 /* LoadForce - the force F that the rod overcomes, per length, and the couple about its tangent. */

@@ -89,7 +89,7 @@ PetscErrorCode TipDestroy(Tip *tip) {
 }
 
 static Rubbed RubbedOf(const TipState *at) {
-  return (Rubbed){at->at.x, at->at.q, at->at.v, at->spin};
+  return (Rubbed){at->at.x, at->at.axes[0], at->at.v, at->spin};
 }
 
 /* TipWalls - adds to f what walls push a free tip with, and the couple about its tangent: that of a
@@ -127,7 +127,7 @@ static void OwnForce(const Tip *tip, const TipState *at, PetscReal f[3]) {
   const PetscReal P = tip->force;
 
   for (int d = 0; d < 3; d++)
-    f[d] = tip->push[d] - (tip->law == TIP_FOLLOWER ? P * at->at.q[d] : 0);
+    f[d] = tip->push[d] - (tip->law == TIP_FOLLOWER ? P * at->at.axes[0][d] : 0);
   if (tip->law == TIP_DEAD) f[0] -= P;
 }
 
@@ -262,7 +262,7 @@ void TipResidual(const Tip *tip, const TipState *at, const FrictionDual *dual,
 void TipJacobian(const Tip *tip, const TipState *at, const PetscReal shift[], PetscBool fresh,
                  FrictionDual *dual, PetscReal J[TIP_ROWS][TIP_FIELDS]) {
   enum { X1, X2, TH, M, N1, N2, DIMS = 2 };
-  const PetscReal P = tip->force, perp[] = {-at->at.q[1], at->at.q[0]};
+  const PetscReal P = tip->force, perp[] = {-at->at.axes[0][1], at->at.axes[0][0]};
   LoadSlope slope = {.W = {{0}}};
 
   for (int i = 0; i < TIP_ROWS; i++)
@@ -304,7 +304,7 @@ void TipResidual3(const Tip *tip, const TipState *at, const FrictionDual *dual,
   if (!TipHolds(tip, 0)) TipForce(3, tip, at, dual, f);
   if (TipPoints(tip)) TurnFrom(held.p, at->p, r);
   for (int d = 0; d < 3; d++)
-    r[d] = TipPoints(tip) ? tip->per_turn * r[d] : at->m[d] - f[SPIN] * at->at.q[d];
+    r[d] = TipPoints(tip) ? tip->per_turn * r[d] : at->m[d] - f[SPIN] * at->at.axes[0][d];
   Hold(3, tip, at, &held, f, r + 3);
 }
 
@@ -338,7 +338,7 @@ static void PushWallsSlope3(const Tip *tip, const TipState *at,
     }
     for (int d = 0; d < 3; d++)
       for (int j = 0; j < TIP_FIELDS3; j++) {
-        J[d][j] -= l * at->at.q[d] * by[SPIN][j];
+        J[d][j] -= l * at->at.axes[0][d] * by[SPIN][j];
         if (j >= P && j < P + 4) J[d][j] -= l * couple * at->q_p[d][j - P];
         J[3 + d][j] -= l * by[d][j];
       }

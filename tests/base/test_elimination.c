@@ -25,7 +25,8 @@ static void Open(Case *c, const char *options) {
 
   SetOptions("-shape_amplitude 2 -rod_cells 40 -ts_max_time 2 %s", options);
   CHECK(SceneCreate(&c->scene));
-  CHECK(RodCreate(c->scene, &rod_frame, &c->rod));
+  c->scene->space.rod = (PetscBool)(strstr(options, "-rod_model space") != NULL);
+  CHECK(RodCreate(c->scene, c->scene->space.rod ? &rod_space : &rod_frame, &c->rod));
   CHECK(RodHoldTip(c->rod));
   n = c->rod->end - c->rod->first;
   CHECK(PetscMalloc1(n, &nodes));
@@ -147,7 +148,7 @@ static void TestHard(void **state) {
 }
 
 /* What is learned is eliminated where it is; where growth feels force its speed and length go along
-   the rod, on one rank, past posts between its nodes, too. */
+   the rod, on one rank, past posts between its nodes, and in space, too. */
 static void TestLearned(void **state) {
   static const char *const senses[] = {"", "-tropism_sensed tip -tropism_memory 0.4",
                                        "-tropism_light 1 -tropism_source 4,5 -tropism_memory 0.4"};
@@ -159,11 +160,13 @@ static void TestLearned(void **state) {
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   WriteWalls(post, "circle 0.2844 0.4475 0.01 outside friction 0.5\n");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(senses); k++)
-    for (int yields = 0; yields < (ranks > 1 ? 1 : 2); yields++) {
+    for (int yields = 0; yields < (ranks > 1 ? 1 : 3); yields++) {
       (void)snprintf(options, sizeof(options),
                      "-growth_type %s %s -tropism_gravity 2 -tropism_direction 0.3,-1 "
-                     "-tropism_proprioception 1.5 %s",
-                     grows[k], yields ? "-growth_yield 30" : "", senses[k]);
+                     "-tropism_proprioception 1.5 %s%s",
+                     grows[k], yields ? "-growth_yield 30" : "", senses[k],
+                     yields == 2 ? " -rod_model space -rod_curvature_2 0.4 -friction_radius 0.1"
+                                 : "");
       Compare(options);
     }
   (void)snprintf(

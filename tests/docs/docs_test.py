@@ -363,11 +363,11 @@ class Developers(unittest.TestCase):
         """docs/dev/heuristics.md is what the registers of constants say, and the tests that they name are there."""
         self.assertEqual(subprocess.run([sys.executable, ROOT / "scripts/lab/heuristics.py"], capture_output=True, text=True, check=True).stdout,
                          (ROOT / "docs/dev/heuristics.md").read_text(), "redraw it: scripts/lab/heuristics.py > docs/dev/heuristics.md")
-        tests = {test.name for test in registered.tests()} | {"none", ""}
+        tests = {test.name for test in registered.tests()} | {"none", ""}  # none may have its reason behind it
         for register in heuristics.REGISTERS:
             rows = list(heuristics.constants(register))
             self.assertEqual(len(rows), (ROOT / "src" / register).read_text().count("\nRULE("), register)
-            self.assertEqual([row.name for row in rows if not row.text or row.test not in tests], [], register)
+            self.assertEqual([row.name for row in rows if not row.text or row.test.partition(":")[0] not in tests], [], register)
 
     def test_comments(self):
         """Files and functions that comments of the code name are there."""

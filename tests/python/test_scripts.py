@@ -94,8 +94,8 @@ class Scripts(unittest.TestCase):
     def test_no_directory(self):
         """Where the file that is asked for cannot be made, one line says so, and what to do."""
         nowhere = self.file.parent / "nowhere"
-        for command, name in (("plot", "a.png"), ("animate", "a.gif"), ("view", "a.html")):
-            result, _, err = quietly(command, [self.file, "--output", nowhere / name])
+        for command, name, word in (("plot", "a.png", "--output"), ("animate", "a.gif", "-o"), ("view", "a.html", "-output")):
+            result, _, err = quietly(command, [self.file, word, nowhere / name])
             self.assertEqual(result, 1)
             self.assertRegex(err, rf"^\w+: {nowhere}/{name}: there is no directory {nowhere}; make it, or .*\n$")
         with self.assertRaisesRegex(ResultsError, "a film is of one run, not of 2"):

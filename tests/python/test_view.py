@@ -29,6 +29,7 @@ try:
     import numpy as np
 
     import tendril
+    from tendril.senses import strain_rate
     from tendril.results import Table
     from tendril.solids import revolved, turn
     from tendril.surroundings import friction, pressed
@@ -271,6 +272,17 @@ class View(unittest.TestCase):
         self.assertIn("soft &lt;b&gt;", page)
         self.assertNotRegex(page, r'(src|href)="')
         self.assertIn("Permission is hereby granted", page)
+
+    def test_growth_as_colour(self):
+        """The colours of a rod in the plane may show how fast it grows, if only a part of it does."""
+        r = tendril.run(growth_type="apical", growth_zone=0.3, growth_initial_length=1, rod_cells=40, ts_max_time=0.1, output_shapes=2)
+        data = content(self.page(r))
+        packed = data["runs"][0]["fields"]["growth"]
+        rate = np.frombuffer(base64.b64decode(packed["values"]), "<i2").reshape(3, 41) * packed["most"] / 32767
+        np.testing.assert_allclose(rate, [strain_rate(r, r.stored(k)) for k in range(3)], atol=packed["most"] / 32767)
+        self.assertGreater(packed["most"], 1)
+        self.assertEqual(list(data["fields"]), ["axial", "curvature", "growth"])
+        self.assertNotIn("growth", content(self.page(self.runs))["fields"])
 
     def test_nothing_to_say_of_contact(self):
         """Arrows of contact have a key, and a box to tick, only where something was touched."""

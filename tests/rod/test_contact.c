@@ -457,11 +457,52 @@ static void TestStrandsAreConservative(void **state) {
   EXPECT(fine < 1e-3 && fine < coarse / 4, "off by %g, %g", coarse, fine);
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestPressure),       cmocka_unit_test(TestFirmPressure),
-    cmocka_unit_test(TestGetsFirm),       cmocka_unit_test(TestSoftTip),
-    cmocka_unit_test(TestShortRod),       cmocka_unit_test(TestSoftContactIsNear),
-    cmocka_unit_test(TestWallsAreSmooth), cmocka_unit_test(TestStrandsAreConservative),
-    cmocka_unit_test(TestWallJacobians),  cmocka_unit_test(TestFootJacobians),
-    cmocka_unit_test(TestStrandJacobians)};
+/* The pattern of the matrix has room for feet that wander by a cell or so, and no more: most of it
+   stays empty. */
+static void TestPattern(void **state) {
+  enum { CELLS = 120 };
+  const PetscReal t = 0.7;
+  MatInfo info;
+  PetscReal part;
+  Scene scene;
+  Rod rod;
+  RodState at;
+  Vec U, U_t, F;
+  Mat J;
+
+  (void)state;
+  SetOptions("-friction_mu 0.7 -ts_max_time 2 %s -rod_cells %d", spiral[0], CELLS);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_frame, &rod));
+  ShakenState(rod, t, 0, &U, &U_t);
+  CHECK(VecDuplicate(U, &F));
+  CHECK(RodCreateMatrix(rod, &J));
+  at = StateOf(t, U, U_t, 1);
+  at.fresh = PETSC_TRUE;
+  CHECK(rod->model->residual(rod, &at, F));
+  CHECK(rod->model->jacobian(rod, &at, J));
+  CHECK(MatGetInfo(J, MAT_GLOBAL_SUM, &info));
+  part = info.nz_used / PetscSqr((PetscReal)(CELLS + 1) * rod->model->fields);
+  print_message("%.3f of all entries\n", (double)part);
+  EXPECT(part > 0.03 && part < 0.25, "%.3f of all entries", (double)part);
+  CHECK(MatDestroy(&J));
+  CHECK(VecDestroy(&U));
+  CHECK(VecDestroy(&U_t));
+  CHECK(VecDestroy(&F));
+  CHECK(RodDestroy(&rod));
+  CHECK(SceneDestroy(&scene));
+}
+
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestPattern),
+                                          cmocka_unit_test(TestPressure),
+                                          cmocka_unit_test(TestFirmPressure),
+                                          cmocka_unit_test(TestGetsFirm),
+                                          cmocka_unit_test(TestSoftTip),
+                                          cmocka_unit_test(TestShortRod),
+                                          cmocka_unit_test(TestSoftContactIsNear),
+                                          cmocka_unit_test(TestWallsAreSmooth),
+                                          cmocka_unit_test(TestStrandsAreConservative),
+                                          cmocka_unit_test(TestWallJacobians),
+                                          cmocka_unit_test(TestFootJacobians),
+                                          cmocka_unit_test(TestStrandJacobians)};
 MAIN(tests)

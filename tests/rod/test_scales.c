@@ -153,6 +153,20 @@ static void TestAxes(void **state) {
          "out of it: %g of %g", scale[X3], scale[X2]);
 }
 
+/* However small a rod's bend is, the plane of it is known, as long as forces and rates of it have
+   all their digits; below, there is none. */
+static void TestVanished(void **state) {
+  const PetscReal small[3] = {1, 4e-269, 2e-269}, none[3] = {1, 4e-280, 2e-280};
+  PetscReal scale[MAX_FIELDS], unit;
+  Vector2 axis;
+
+  (void)state;
+  Scales("", small, 0, &axis, scale, &unit);
+  EXPECT(PetscAbsReal(axis.y / axis.x - 0.5) < 1e-12, "1e-269: axis (%g, %g)", axis.x, axis.y);
+  Scales("", none, 0, &axis, scale, &unit);
+  EXPECT(axis.y == 0, "1e-280: axis (%g, %g)", axis.x, axis.y);
+}
+
 /* A rod so short that round-off turns dry friction: with 0.007 of that round-off one crawls, with
    0.1 none does worse. */
 static void TestTurned(void **state) {
@@ -186,5 +200,6 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestShortTimes),    cmocka_unit_test(TestTimeOfBeta),
     cmocka_unit_test(TestLeastFriction), cmocka_unit_test(TestBurst),
     cmocka_unit_test(TestPrescribed),    cmocka_unit_test(TestAxes),
-    cmocka_unit_test(TestTurned),        cmocka_unit_test(TestSpace)};
+    cmocka_unit_test(TestVanished),      cmocka_unit_test(TestTurned),
+    cmocka_unit_test(TestSpace)};
 MAIN(tests)

@@ -27,11 +27,15 @@ static const char *const worlds[] = {
 enum { WORLDS = sizeof(worlds) / sizeof(worlds[0]) };
 
 static void Create(const char *law, const char *world, PetscInt cells, Scene *scene, Rod *rod) {
+  const PetscBool yields = (PetscBool)(strstr(world, "-growth_yield") != NULL);
   SetOptions("%s -rod_cells %d -ts_max_time 2 -shape_amplitude 1 -shape_turn 0.7 -rod_curvature "
-             "0.7 -rod_curvature_2 0.5 -rod_twist 0.9 -rod_curvature_random 0.5 "
-             "-rod_curvature_random_2 0.4 -rod_curvature_length 0.3 -friction_mu 0.7 "
-             "-friction_beta 0.1 -friction_newton primal %s",
-             law, (int)cells, world);
+             "0.7 -rod_curvature_2 0.5 -rod_twist 0.9%s -friction_mu 0.7 -friction_beta 0.1 "
+             "-friction_newton primal %s",
+             law, (int)cells,
+             yields ? "" /* (by which what is given at a label would change) */
+                    : " -rod_curvature_random 0.5 -rod_curvature_random_2 0.4 "
+                      "-rod_curvature_length 0.3",
+             world);
   CHECK(SceneCreate(scene));
   (*scene)->space.rod = PETSC_TRUE;
   CHECK(RodCreate(*scene, &rod_space, rod));
@@ -83,6 +87,30 @@ static void TestLearnedJacobians(void **state) {
                    more[law % 4]);
     JacobianByRate(laws[law], world);
   }
+}
+
+/* ... whose growth feels force, and that may learn. */
+static void TestYieldingJacobians(void **state) {
+  static const char
+      *const grows[] = {"-growth_type uniform", "-growth_type feed",
+                        "-growth_type apical -growth_zone 0.6"},
+             *const learns = "-tropism_gravity 2 -tropism_direction 0.3,-1,0.4 -tropism_light 1 "
+                             "-tropism_source 4,5,2 -tropism_proprioception 1.5 -growth_ironing 3 "
+                             "-tropism_nutation 1 -tropism_nutation_2 2 -tropism_nutation_rate 3",
+             *const more[] = {"", "-tropism_memory 0.4 -friction_radius 0.4",
+                              "-tropism_sensed tip -tropism_memory 0.4",
+                              "-friction_radius 0.4 -friction_across 3 -friction_layers 0:1,0.5:2 "
+                              "-friction_layer_width 0.8"};
+  char world[640];
+
+  for (int law = 0; law < 3; law++)
+    for (int k = 0; k < 4; k++) {
+      (void)snprintf(world, sizeof(world),
+                     "-growth_yield 30 -tip_force 0.4 -tip_law resistance %s %s%s",
+                     k == 1 || k == 2 ? learns : "", more[k],
+                     (k == 1 || k == 2) && law == 1 ? " -tropism_rate 0.7" : "");
+      JacobianByRate(grows[law], world);
+    }
 }
 
 /* Jacobians, of each law and each world; in a hinge, of those laws that one may have. */
@@ -676,11 +704,16 @@ static void TestSpinRest(void **state) {
   EXPECT(turn[PLACES - 1] > 0.01, "a torque turns it by %g", (double)turn[PLACES - 1]);
 }
 
-static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(TestJacobians),     cmocka_unit_test(TestLearnedJacobians),
-    cmocka_unit_test(TestWallJacobians), cmocka_unit_test(TestFootJacobians),
-    cmocka_unit_test(TestFoot),          cmocka_unit_test(TestElimination),
-    cmocka_unit_test(TestMirrors),       cmocka_unit_test(TestBend),
-    cmocka_unit_test(TestIndex),         cmocka_unit_test(TestBegins),
-    cmocka_unit_test(TestSpinRest)};
+static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJacobians),
+                                          cmocka_unit_test(TestLearnedJacobians),
+                                          cmocka_unit_test(TestWallJacobians),
+                                          cmocka_unit_test(TestFootJacobians),
+                                          cmocka_unit_test(TestYieldingJacobians),
+                                          cmocka_unit_test(TestFoot),
+                                          cmocka_unit_test(TestElimination),
+                                          cmocka_unit_test(TestMirrors),
+                                          cmocka_unit_test(TestBend),
+                                          cmocka_unit_test(TestIndex),
+                                          cmocka_unit_test(TestBegins),
+                                          cmocka_unit_test(TestSpinRest)};
 MAIN(tests)

@@ -158,6 +158,59 @@ def a_run_that_was_stopped_goes_on_to_the_last_digit():
     expect("has 4 rods, and the scene has 1" in other.stderr, other.stderr)
 
 
+def ended(text, *words, out="ended.h5"):
+    """The attributes of /event, its time, and the lines printed, of a run."""
+    out = Path(scene.SCRATCH) / out
+    done = subprocess.run([scene.TENDRIL, *text, *words, "-output", str(out)], capture_output=True, text=True, env=scene.ENVIRONMENT)
+    expect(done.returncode == 0 and not done.stderr, done.stderr)
+    with h5py.File(out) as f:
+        expect(f.attrs["finished"] == 1, "not finished")
+        event = {key: value.decode() if isinstance(value, bytes) else value for key, value in f["event"].attrs.items()} if "event" in f else {}
+        return event, f["event/t"][()] if event else None, f["series/t"][-1], done.stdout
+
+
+@check
+def the_first_event_of_any_rod_ends_the_run():
+    """Located in time within the step, and told of its rod; the run goes on from there to where none ends it."""
+    path = file(lines(SHARED) + "[rod a]\n-stop_length 1.613\n[rod b]\n-clamp_place 0,1,0\n-growth_initial_length 0.8\n-stop_length 1.2\n")
+    event, t, last, told = ended(["-options_file", str(path)])
+    expect(event == {"kind": "length", "rod": "b"} and abs(t - 0.4) < 1e-14 and last == t, f"{event} at {t}, last {last}")
+    expect("b: stopped at t = 0.4: length 1.2\n" in told and "a: " in told and "a: stopped" not in told, told)
+    with h5py.File(Path(scene.SCRATCH) / "ended.h5") as f:
+        expect(f["shapes/t"][-1] == t, "no shape of the event")
+    event, t, last, told = ended(["-restart", str(Path(scene.SCRATCH) / "ended.h5")], out="further.h5")
+    expect(not event and last == 1, f"{event}, {last}")
+    event, t, *_ = ended(["-options_file", str(path), "-b_stop_length", "5", "-a_stop_length", "1.25"])
+    expect(event == {"kind": "length", "rod": "a"} and abs(t - 0.25) < 1e-14, f"{event} at {t}")
+
+
+@check
+def rods_that_grow_towards_each_other_stop_where_they_touch():
+    """Tip to tip, at the distance in which contact sets in."""
+    path = file("-growth_type feed\n-growth_initial_length 0.5\n-contact_diameter 0.05\n-contact_rods\n-ts_max_time 2\n-rod_cells 20\n"
+                "[rod left]\n-clamp_place 0,-0.01,0\n-stop_contact\n[rod right]\n-clamp_place 2,0.01,0\n-clamp_direction -1,0,0\n")
+    event, t, _, told = ended(["-options_file", str(path)])
+    expect(event == {"kind": "contact", "rod": "left"} and "left: stopped" in told and "touches a rod at s = 1\n" in told, f"{event}: {told}")
+    gap = np.hypot(2 - 2 * (0.5 + t), 0.02) - 0.05
+    print(f"t = {t:.6f}, gap {gap:.2e}")
+    expect(0 < gap < 0.01, f"they touch at a gap of {gap}")
+
+
+@check
+def a_run_is_repeated_until_each_rod_is_as_accurate_as_asked_for():
+    """The rod that is bent most gets more cells; what is given stays, and is told."""
+    path = file("-growth_type uniform\n-growth_initial_length 1\n-friction_beta 1e-3\n-ts_max_time 0.5\n-accuracy 1e-3\n"
+                "[rod a]\n-rod_curvature 30\n[rod b]\n-clamp_place 0,3,0\n-rod_curvature 0.3\n")
+    out = Path(scene.SCRATCH) / "accurate.h5"
+    _, _, _, told = ended(["-options_file", str(path)], out="accurate.h5")
+    expect(told.count("once more") == 1 and "may not be met" not in told, told)
+    with h5py.File(out) as f:
+        cells, error = f["rods/count"][:] - 1, f.attrs["error_end_estimate"]
+    expect(cells[0] > 1.5 * cells[1] and error < 1e-3, f"{cells} cells, {error}")
+    _, _, _, told = ended(["-options_file", str(path), "-a_rod_cells", "50"])
+    expect("once more" not in told and "-accuracy 0.001 may not be met, the estimate is above it; give -rod_cells" in told, told)
+
+
 REFUSED = [  # (lines of a scene, more words, what is said)
     ("[rod a]\n-contact_diameter 0.1\n[rod b]\n-clamp_place 0,1,0\n", "", "line 2, rod a: -contact_diameter: there is nothing to touch; give -contact_rods, or [pair]"),
     ("[rod a]\n-friction_nu 1\n", "", "several.opts, line 2, rod a: -friction_nu: unknown option, did you mean -friction_mu?"),
@@ -165,6 +218,7 @@ REFUSED = [  # (lines of a scene, more words, what is said)
     ("[rod a]\n-ts_max_time 3\n", "", "several.opts, line 2, rod a: -ts_max_time: is of the scene as a whole"),
     ("[rod a]\n-growth_zone 0.2\n", "", "several.opts, line 2, rod a: -growth_zone: nothing in this run reads it"),
     ("[rod a]\n", "-a_rod_curvature x", "-a_: -rod_curvature x: give a number"),
+    ("[rod a]\n[rod b]\n-change_file late.txt\n", "", "rod b: -change_file: at t = 0.005: rod_cells cannot be changed in a run"),
     ("[rod a]\n", "-b_rod_curvature 1", "-b_rod_curvature: unknown option"),
     ("[rod a]\n[rod b]\n[rod a]\n", "", "line 3: there is a [rod a] already"),
     ("[rod rod]\n", "", "line 1: a rod cannot be named rod"),
@@ -184,9 +238,11 @@ REFUSED = [  # (lines of a scene, more words, what is said)
     ("-contact_diameter 0.1\n[rod a]\n[rod b]\n-clamp_place 0,0.05,0\n[pair a b]\n", "", "rods a and b are 0.05"),
     ("[rod a]\n-clamp_type free\n", "", "line 2, rod a: -clamp_type free: nothing keeps a rod in space from spinning"),
     ("[rod a]\n", "-task critical", "[rod a]: this -task knows one rod"),
-    ("[rod a]\n", "-accuracy 1e-4", "-accuracy: is not known of several rods"),
     ("[rod a]\n", "-pc_type lu", "several rods have none"),
-    ("[rod a]\n", "-stop_length 2", "-stop_length: nothing in this run reads it"),
+    ("[rod a]\n-accuracy 1e-4\n", "", "line 2, rod a: -accuracy: is of the scene as a whole"),
+    ("[rod a]\n-stop_length 0.5\n", "", "several.opts, line 2, rod a: -stop_length: the rod is 0.5 long at the start"),
+    ("[rod a]\n", "-stop_contact", "-stop_contact: there is nothing to touch; give -contact_rods"),
+    ("[rod a]\n[rod b]\n-rod_curvature 1\n-shape_type sag\n-shape_amplitude 1\n-stop_angle 0.5\n", "", "rod b: -stop_angle: it is so at t = 0 already"),
     ("[rod a]\n", "-rod_model frame", "-rod_model: several rods are in space"),
 ]
 
@@ -195,6 +251,7 @@ REFUSED = [  # (lines of a scene, more words, what is said)
 def what_is_wrong_is_told_with_rod_and_line():
     """One line each, and no result."""
     file("rod_curvature\n1\n", "bare.csv")
+    file("0.005 rod_cells 3\n", "late.txt")
     file("name, rod_curvature\na1, 1\na2, y\n", "bad.csv")
     file("name, rod_curvature\na1, 1\na1, 2\n", "twice.csv")
     for text, more, said in REFUSED:

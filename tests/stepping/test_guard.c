@@ -57,6 +57,31 @@ static PetscBool Passes(const char *wall, const char *more, PetscReal from, Pets
   return PassesAs(&rod_frame, wall, more, from, to);
 }
 
+/* Does a straight rod pass that moves across by so much? */
+static PetscBool Leaves(const char *wall, PetscReal across) {
+  PetscScalar *u;
+  PetscBool passes;
+  char file[64];
+  Scene scene;
+  Rod rod;
+  Vec U[2];
+  WriteWalls(file, wall);
+  SetOptions("%s -contact_diameter 0.02 -wall_file %s", thread, file);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_frame, &rod));
+  for (int k = 0; k < 2; k++) U[k] = State(rod, 0.2, 0);
+  CHECK(VecGetArray(U[1], &u));
+  for (PetscInt i = rod->first; i < rod->end; i++)
+    u[(i - rod->first) * rod->model->fields + 1] += across;
+  CHECK(VecRestoreArray(U[1], &u));
+  CHECK(RodPassesWalls(rod, 0, 0, U[0], U[1], &passes));
+  for (int k = 0; k < 2; k++) CHECK(VecDestroy(&U[k]));
+  CHECK(RodDestroy(&rod));
+  CHECK(SceneDestroy(&scene));
+  RemoveFile(file);
+  return passes;
+}
+
 /* Posts a hundredth of a cell wide, wherever they are on the rod: also between nodes, and between
    ranks. */
 static void TestSweeps(void **state) {
@@ -102,6 +127,58 @@ static void TestCuts(void **state) {
   EXPECT(PassesAs(&rod_space, "plane 0 0.3 0  0 -1 0\n", in_space, 0, 1),
          "far behind one in space");
   EXPECT(!PassesAs(&rod_space, "plane 0 0.3 0  0 -1 0\n", in_space, 0, 0.6), "pressed into it");
+}
+
+/* In space: a ball that is small beside the cells, and a wire that a thread meets, thin beside the
+   depth that counts as behind a wall, wherever they are; in a bent tube from one arm to the other,
+   past what is between. */
+static void TestSweepsSpace(void **state) {
+  const char *const tube = "path 0.05 -1 0 3 0 3 0.5 -1 0.5\n";
+
+  for (int k = 0; k < 5; k++) {
+    const PetscReal at = 0.3 + 0.11 * k;
+    char ball[128], wire[128];
+    snprintf(ball, sizeof(ball), "sphere %.17g 0.05 0 0.004 outside\n", (double)at);
+    snprintf(wire, sizeof(wire), "cylinder %.17g 0.05 0 0 0 1 5e-4 outside\n", (double)at);
+    EXPECT(PassesAs(&rod_space, ball, "-rod_model space -contact_diameter 2e-3", 0, 1.2),
+           "over a ball at %g", at);
+    EXPECT(!PassesAs(&rod_space, ball, "-rod_model space -contact_diameter 2e-3", 0, -1),
+           "away from it");
+    EXPECT(PassesAs(&rod_space, wire, "-rod_model space", 0, 1.2), "over a wire at %g", at);
+    EXPECT(!PassesAs(&rod_space, wire, "-rod_model space", 0, -1), "away from it");
+  }
+  EXPECT(Leaves(tube, 0.5), "from one arm of a tube into the other");
+  EXPECT(!Leaves(tube, 0.02), "within an arm");
+}
+
+/* A ball goes round and round, and through a rod that rests, in a step of so many turns; does the
+   rod see it? */
+static PetscBool SeesGoingRound(PetscReal radius, PetscReal turns) {
+  PetscBool passes;
+  char file[64], wall[200];
+  Scene scene;
+  Rod rod;
+  Vec U;
+  snprintf(wall, sizeof(wall), "sphere 0 %.17g 0 0.004 outside turns %.17g 0 0 0 0 0 1\n",
+           (double)radius, (double)(turns * 2 * PETSC_PI));
+  WriteWalls(file, wall);
+  SetOptions("%s -rod_model space -contact_diameter 2e-3 -wall_file %s", thread, file);
+  CHECK(SceneCreate(&scene));
+  CHECK(RodCreate(scene, &rod_space, &rod));
+  U = State(rod, 0.2, 0);
+  CHECK(RodPassesWalls(rod, 0, 1, U, U, &passes));
+  CHECK(VecDestroy(&U));
+  CHECK(RodDestroy(&rod));
+  CHECK(SceneDestroy(&scene));
+  RemoveFile(file);
+  return passes;
+}
+
+static void TestGoesRound(void **state) {
+  for (int k = 1; k < 4; k++) {
+    EXPECT(SeesGoingRound(0.67, 3 * k), "%d turns through the rod", 3 * k);
+    EXPECT(!SeesGoingRound(1.1, 3 * k), "%d turns past its tip", 3 * k);
+  }
 }
 
 /* The tip alone is behind a wall, and the rod may touch itself, too: every rank ends the look, with
@@ -191,5 +268,7 @@ static void TestPassInPlane(void **state) {
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(TestPassInPlane), cmocka_unit_test(TestPassesItself),
-    cmocka_unit_test(TestSweeps), cmocka_unit_test(TestCuts), cmocka_unit_test(TestOneRankKnows)};
+    cmocka_unit_test(TestSweeps),      cmocka_unit_test(TestSweepsSpace),
+    cmocka_unit_test(TestGoesRound),   cmocka_unit_test(TestCuts),
+    cmocka_unit_test(TestOneRankKnows)};
 MAIN(tests)

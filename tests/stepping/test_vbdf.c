@@ -241,14 +241,14 @@ static void TestExactForPolynomials(void **state) {
 /* ---- fields with a factor: y_c = A(t) shape_c(t), beside one that has none, u = t^2 ---- */
 
 /* u' = 2 t,  y1' = a y1 - turn y2,  y2' = turn y1 + a y2: a shape that turns, or stands if turn =
-   0; log A = - 30 t + square t^2 + cubic t^3, a its slope. */
+   0; log A = log_size - 30 t + square t^2 + cubic t^3, a its slope. */
 enum { PLAIN, TURNS1, TURNS2, OF_THREE };
 typedef struct {
-  PetscReal square, cubic, turn;
+  PetscReal square, cubic, turn, log_size;
 } Turning;
 
 static PetscReal LogFactor(const Turning *c, PetscReal t) {
-  return t * (-30 + t * (c->square + t * c->cubic));
+  return c->log_size + t * (-30 + t * (c->square + t * c->cubic));
 }
 
 static PetscReal FactorSlope(const Turning *c, PetscReal t) {
@@ -365,7 +365,7 @@ static void RunTurning(const Turning *c, PetscInt order, PetscReal h, PetscReal 
    ever. */
 static void TestExactForExponentials(void **state) {
   for (PetscInt order = 1; order <= 6; order++) {
-    const Turning stands = {order == 1 ? 0 : 4, 0, 0};
+    const Turning stands = {order == 1 ? 0 : 4, 0, 0, 0};
     PetscReal error[2], dense[2], slope[2];
     RunTurning(&stands, order, 0.1, 0.3, error, dense, slope);
     EXPECT(error[1] < 1e-11 && dense[1] < 1e-11 && slope[1] < 1e-9, "BDF%d: %g, dense %g, rate %g",
@@ -375,9 +375,19 @@ static void TestExactForExponentials(void **state) {
   }
 }
 
+/* The factor is taken from fields of any size that have all their digits: here they end at 3e-279.
+ */
+static void TestExactForTheSmallest(void **state) {
+  const Turning stands = {4, 0, 0, log(1e-262)};
+  PetscReal error[2], dense[2], slope[2];
+
+  RunTurning(&stands, 2, 0.1, 0.3, error, dense, slope);
+  EXPECT(error[1] < 1e-11, "%g", error[1]);
+}
+
 /* A shape that turns and a factor that is not a parabola's: the formulas keep their orders. */
 static void TestOrdersWithFactor(void **state) {
-  const Turning turns = {4, 1, 0.4};
+  const Turning turns = {4, 1, 0.4, 0};
   for (PetscInt order = 1; order <= 6; order++) {
     PetscReal coarse[2], fine[2], dense[2][2], slope[2][2], measured;
     RunTurning(&turns, order, 0.04, 0, coarse, dense[0], slope[0]);
@@ -396,7 +406,7 @@ static void TestOrdersWithFactor(void **state) {
 /* A step that was cut by far leaves three points next to each other: what their polynomial says of
    the factor at points far behind them is no number, and steps go on all the same. */
 static void TestFromCloseTogether(void **state) {
-  const Turning c = {0, 0, 1};
+  const Turning c = {0, 0, 1, 0};
   const int factored[OF_THREE] = {0, 1, 1};
   const PetscReal times[] = {0.4, 0.4 - 1e-12, 0.4 - 2e-12, 0.35, 0.3}, end = 1;
   enum { POINTS = sizeof(times) / sizeof(times[0]) };
@@ -941,6 +951,7 @@ static void TestLate(void **state) {
 static const struct CMUnitTest tests[] = {cmocka_unit_test(TestOrders),
                                           cmocka_unit_test(TestExactForPolynomials),
                                           cmocka_unit_test(TestExactForExponentials),
+                                          cmocka_unit_test(TestExactForTheSmallest),
                                           cmocka_unit_test(TestOrdersWithFactor),
                                           cmocka_unit_test(TestFromCloseTogether),
                                           cmocka_unit_test(TestAdaptive),

@@ -129,7 +129,78 @@ static void TestLeast(void **state) {
   }
 }
 
-static const struct CMUnitTest tests[] = {cmocka_unit_test(TestJamGetsNowhere),
-                                          cmocka_unit_test(TestJamDeep),
-                                          cmocka_unit_test(TestSlips), cmocka_unit_test(TestLeast)};
+/* A rod that a wall which rubs presses on is held twice where friction along it is dry, too, or all
+   but: not by walls or by friction alone. */
+static void TestHeldTwice(void **state) {
+  struct _Scene scene = {.contact.walls.rub = PETSC_TRUE, .load.friction.mu = 1};
+  Grow self = {.scene = &scene, .seen = Pressed(1)};
+
+  EXPECT(GrowHeldTwice(&self), "dry");
+  scene.load.friction.mu = 1 - 1e-4;
+  EXPECT(GrowHeldTwice(&self), "a share of 1e-4");
+  scene.load.friction.mu = 1 - 1e-2;
+  EXPECT(!GrowHeldTwice(&self), "a share of 1e-2");
+  scene.load.friction.mu = 1;
+  self.seen.contact_force = 0;
+  EXPECT(!GrowHeldTwice(&self), "touches nothing");
+  self = (Grow){.scene = &scene, .seen = Pressed(1)};
+  scene.contact.walls.rub = PETSC_FALSE;
+  EXPECT(!GrowHeldTwice(&self), "smooth walls");
+}
+
+/* By how much of its step a run gets on in which the tip moves so many times as fast as it grows.
+ */
+static PetscReal GetsOn(PetscReal times) {
+  Grow self = {0};
+  PetscScalar *v;
+  PetscReal on;
+
+  SetOptions("-growth_type feed -growth_initial_length 1 -rod_cells 6 -ts_max_time 1 -quiet");
+  CHECK(SceneCreate(&self.scene));
+  CHECK(GrowCreate(&self, "", ""));
+  CHECK(TSStep(self.now->ts));
+  CHECK(VecGetArray(self.now->newton.latest.U_t, &v));
+  v[self.now->rod->model->fields * self.now->rod->last + 1] = times * self.scene->units.speed;
+  CHECK(VecRestoreArray(self.now->newton.latest.U_t, &v));
+  CHECK(GrowAfterStep(self.now->ts));
+  on = self.kept.way / self.seen.step;
+  CHECK(GrowDestroy(&self));
+  CHECK(SceneDestroy(&self.scene));
+  return on;
+}
+
+/* A rod that snaps gets on by its motion, while time all but stands still; one that moves about as
+   fast as it grows does not get on faster by that. */
+static void TestMotionCounts(void **state) {
+  PetscReal on = GetsOn(1);
+
+  EXPECT(on >= 1 && on < 2, "as fast as it grows: %g", (double)on);
+  on = GetsOn(1e4);
+  EXPECT(on > 200 && on < 1e4, "ten thousand times: %g", (double)on);
+}
+
+/* Jumps in the layer of a start out of balance are none of the rod: it has given way; behind it, it
+   snaps. */
+static void TestLayer(void **state) {
+  for (int k = 0; k < 2; k++) {
+    Grow self = {0};
+    SetOptions("-growth_type feed -growth_initial_length 1 -rod_cells 6 -ts_max_time 1 -quiet");
+    CHECK(SceneCreate(&self.scene));
+    CHECK(GrowCreate(&self, "", ""));
+    CHECK(TSStep(self.now->ts));
+    self.now->jumps = -1; /* as if the step had been one */
+    CHECK(GrowObserve(&self, (k ? 3e-5 : 1e-8) * self.scene->units.brief, self.now->U,
+                      self.now->newton.latest.U_t));
+    EXPECT(self.kept.gave_way == !k && self.kept.snaps == k, "%d: gave way %g, snaps %g", k,
+           (double)self.kept.gave_way, (double)self.kept.snaps);
+    CHECK(GrowDestroy(&self));
+    CHECK(SceneDestroy(&self.scene));
+  }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(TestJamGetsNowhere), cmocka_unit_test(TestJamDeep),
+    cmocka_unit_test(TestSlips),          cmocka_unit_test(TestLeast),
+    cmocka_unit_test(TestHeldTwice),      cmocka_unit_test(TestMotionCounts),
+    cmocka_unit_test(TestLayer)};
 MAIN(tests)

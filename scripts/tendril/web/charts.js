@@ -275,7 +275,6 @@ function connect() {
       goTo(state.t);
     };
   element("follow").onchange = redraw;
-  element("colours").hidden = several;
   element("friction").checked = !several;  // the arrows of many rods hide one another
   document.addEventListener("keydown", (event) => {
     if (event.code === "Space" && !["INPUT", "BUTTON", "SUMMARY"].includes(event.target.tagName)) {

@@ -12,6 +12,11 @@ function unpack(run) {
   run.shown = true;
   for (const table of [run.series, run.shapes])
     for (const name of Object.keys(table)) table[name] = floats(table[name]);
+  run.along = {};
+  for (const [name, { most, values }] of Object.entries(run.fields)) {  // 16 bits a number, in parts of the largest
+    const bytes = Uint8Array.from(atob(values), (c) => c.charCodeAt(0));
+    run.along[name] = Float32Array.from(new Int16Array(bytes.buffer), (v) => v * most / 32767);
+  }
   run.end = run.series.t[run.series.t.length - 1];
 }
 
@@ -65,6 +70,49 @@ function shapeAt(run, t) {
   return shape;
 }
 
+// The same with the scalars along it, `fields`.
+function bodyAt(run, t) {
+  const shape = shapeAt(run, t), [k, w] = stored(run, t);
+  shape.fields = {};
+  for (const [name, all] of Object.entries(run.along)) {
+    const width = run.nodes, a = k * width, b = (w ? k + 1 : k) * width;
+    shape.fields[name] = Float32Array.from({ length: width }, (_, i) => all[a + i] * (1 - w) + all[b + i] * w);
+  }
+  return shape;
+}
+
+const shownField = () => element("field").value;
+const shade = (value, { most, signed: sign }) => (sign ? signed(SIGNED, value, most) : mixed(RISING, saturation(value, most)));
+
+// What the colours may show.
+function offerFields() {
+  for (const [name, field] of Object.entries(data.fields)) element("field").append(new Option(field.label, name));
+  if (several) element("field").prepend(new Option("which run", "", true, true));
+  element("field").onchange = () => { makeBar(); rod.redraw(); };
+}
+
+// The colours of the field that is shown, with its numbers.
+function makeRamp() {
+  const field = data.fields[shownField()], ticks = element("ticks");
+  element("ramp").hidden = element("bar-label").hidden = !field;
+  if (!field) return;
+  const unit = factor(data.runs[0], field.unit), most = field.most * unit;
+  const place = (v) => (field.signed ? 50 + 50 * Math.sign(v) * saturation(v / unit, field.most)
+    : 100 * saturation(v / unit, field.most));
+  const inner = [];
+  for (let power = Math.floor(Math.log10(most)); power > Math.log10(most) - 2; power--)
+    if (Math.abs(place(10 ** power) - (inner.length ? place(inner.at(-1)) : 100)) > 14) inner.push(10 ** power);
+  const values = [most, ...inner.filter((v) => place(v) > (field.signed ? 60 : 14) && place(v) < 88)];
+  element("ramp").style.background = `linear-gradient(to right, ${(field.signed ? SIGNED : RISING).map(rgb)})`;
+  ticks.replaceChildren(...[...(field.signed ? values.map((v) => -v) : []), 0, ...values].map((v) => {
+    const label = document.createElement("span");
+    label.style.left = `${place(v)}%`;
+    label.textContent = number(v);
+    return label;
+  }));
+  element("bar-label").textContent = named(field.unit) && `(${named(field.unit)})`;
+}
+
 // Where what moves as given in time is then (courses.py): by polynomials between knots, evenly beyond them.
 function along({ knots, pieces, ends }, t) {
   const last = knots.length - 1, within = Math.min(Math.max(t, knots[0]), knots[last]);
@@ -75,4 +123,17 @@ function along({ knots, pieces, ends }, t) {
 }
 
 // How far what moves has been carried along at a time.
-const shiftOf = (motion, t) => (motion.shift ? along(motion.shift, t) : motion.moves.map((v) => v * t));
+const shiftOf = ({ shift, moves = [0, 0, 0] }, t) => (shift ? along(shift, t) : moves.map((v) => v * t));
+
+// By what angle it has turned.
+const turnedBy = ({ angle, turns = [0] }, t) => (angle ? along(angle, t)[0] : turns[0] * t);
+
+// A line of a wall of the plane, [x, y, x, y, ...], where that is at a time.
+function lineAt(line, motion, t) {
+  const [dx, dy] = shiftOf(motion, t), [, x0, y0, , , , up] = motion.turns || [0, 0, 0, 0, 0, 0, 1], angle = Math.sign(up) * turnedBy(motion, t);
+  const c = Math.cos(angle), s = Math.sin(angle);
+  return line.map((_, i) => {
+    const k = i - i % 2, x = line[k] - x0, y = line[k + 1] - y0;
+    return i % 2 ? y0 + s * x + c * y + dy : x0 + c * x - s * y + dx;
+  });
+}

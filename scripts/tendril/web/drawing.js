@@ -1,6 +1,8 @@
 // What all pages draw alike: what a colour says of a number, arrows, the axis of a series.
 const SIGNED = [[180, 4, 38], [221, 221, 221], [59, 76, 192]];  // of what has a sign: negative, 0, positive
 
+const RISING = [[214, 214, 210], [253, 187, 132], [227, 74, 51], [127, 0, 0]];  // of what has none
+
 // Where a value stands between none and the most, 0 to 1: small ones are told apart, too.
 const saturation = (size, most) => (most > 0 ? Math.min(1, Math.asinh(20 * Math.abs(size) / most) / Math.asinh(20)) : 0);
 

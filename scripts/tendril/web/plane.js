@@ -57,7 +57,7 @@ function drawWalls(u, run, f) {
   u.ctx.lineWidth = devicePixelRatio;
   for (const wall of run.walls) {
     u.ctx.beginPath();
-    const [dx, dy] = wall.motion ? shiftOf(wall.motion, t) : [0, 0], there = (line) => (wall.motion ? line.map((x, i) => x + (i % 2 ? dy : dx)) : line);
+    const there = (line) => (wall.motion ? lineAt(line, wall.motion, t) : line);
     for (const ring of wall.body) trace(u, there(ring), f);
     u.ctx.fill("evenodd");
     for (const line of wall.lines) polyline(u, there(line), f);
@@ -106,22 +106,23 @@ function pale(colour) {
 }
 
 function drawRun(u, run) {
-  const shape = shapeAt(run, state.t / factor(run, "l/V")), f = factor(run, "l"), ctx = u.ctx;
+  const shape = bodyAt(run, state.t / factor(run, "l/V")), f = factor(run, "l"), ctx = u.ctx;
   const thick = Math.abs(u.valToPos(run.diameter * f, "x", true) - u.valToPos(0, "x", true));
   ctx.globalAlpha = ended(run) ? 0.4 : 1;  // it stands where its run has ended
   if (element("friction").checked) drawForces(u, shape.places, shape.friction, strongest("drag") / factor(run, "N"), "#777", f, false);
-  ctx.lineWidth = Math.max((several ? 2.5 : 5) * devicePixelRatio, thick);
+  ctx.lineWidth = Math.max((shownField() ? 5 : 2.5) * devicePixelRatio, thick);
   ctx.strokeStyle = several ? run.colour : "#333";
   polyline(u, shape.x, f);
   ctx.lineWidth = Math.max(3.4 * devicePixelRatio, thick - 1.6 * devicePixelRatio);
-  if (several && thick > 6 * devicePixelRatio) {  // strands that touch stay apart for the eye
+  if (!shownField() && thick > 6 * devicePixelRatio) {  // strands that touch stay apart for the eye
     ctx.lineWidth = thick - 2 * devicePixelRatio;
     ctx.strokeStyle = pale(run.colour);
     polyline(u, shape.x, f);
     ctx.lineWidth = thick - 1.6 * devicePixelRatio;
   }
-  for (let i = 0; !several && i + 1 < shape.axial.length; i++) {
-    ctx.strokeStyle = rgb(signed(SIGNED, (shape.axial[i] + shape.axial[i + 1]) / 2, data.strongest));
+  const field = data.fields[shownField()], along = field && shape.fields[shownField()];
+  for (let i = 0; along && i + 1 < along.length; i++) {
+    ctx.strokeStyle = rgb(shade((along[i] + along[i + 1]) / 2, field));
     polyline(u, shape.x.subarray(2 * i, 2 * i + 4), f);
   }
   if (shape.contact && element("contact").checked)
@@ -152,7 +153,7 @@ function rodSize() {
 }
 
 function makeRod() {
-  if (rod) rod.destroy();
+  if (rod) rod.destroy(); else offerFields();
   const range = (d) => (u) => equalScales(u)[d];
   rod = new uPlot({
     ...rodSize(), legend: { show: false }, cursor: { show: false },
@@ -165,21 +166,9 @@ function makeRod() {
   makeBar();
 }
 
-// The colours of the axial force with its numbers, and how strong the longest arrows are.
+// The colours with their numbers, and how strong the longest arrows are.
 function makeBar() {
-  const unit = factor(data.runs[0], "N l"), most = data.strongest * unit, ticks = element("ticks");
-  const place = (v) => 50 + 50 * Math.sign(v) * saturation(v / unit, data.strongest);
-  const inner = [];
-  for (let power = Math.floor(Math.log10(most)); power > Math.log10(most) - 2; power--)
-    if (Math.abs(place(10 ** power) - (inner.length ? place(inner.at(-1)) : 100)) > 14) inner.push(10 ** power);
-  const values = [most, ...inner.filter((v) => place(v) > 60 && place(v) < 88)];
-  ticks.replaceChildren(...[...values.map((v) => -v), 0, ...values].map((v) => {
-    const label = document.createElement("span");
-    label.style.left = `${place(v)}%`;
-    label.textContent = number(v);
-    return label;
-  }));
-  element("bar-label").textContent = withUnit("axial force, compression < 0", "N l");
+  makeRamp();
   const long = ARROW_SHARE * rod.bbox.width / devicePixelRatio;
   for (const [id, kind, there] of [["friction", "drag", true], ["contact", "press", hasContact]]) {
     const key = element(`${id}-key`);

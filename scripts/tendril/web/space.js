@@ -3,40 +3,18 @@
 // Drawn by three.js as a tube; where there is no WebGL as lines on a canvas, seen by the same camera.
 const hasContact = data.touches && data.runs.some((run) => "contact" in run.widths);
 const SIDES = 14, GHOSTS = 5, LEAST = 3;  // of a tube; earlier shapes; the least thickness in pixels
-const RISING = [[214, 214, 210], [253, 187, 132], [227, 74, 51], [127, 0, 0]];  // of what has no sign
 const V = (x, y, z) => new THREE.Vector3(x, y, z);
 const axis = (d) => V(...[0, 1, 2].map((i) => (i === Math.abs(d) - 1 ? Math.sign(d) : 0)));
 const UP = axis(data.up), RIGHT = axis(Math.abs(data.up) === 1 ? 2 : 1), BACK = RIGHT.clone().cross(UP);
 let rod = null, stage = null;
 
-function decodeFields(run) {  // 16 bits a number, in parts of the largest
-  run.along = {};
-  for (const [name, { most, values }] of Object.entries(run.fields)) {
-    const bytes = Uint8Array.from(atob(values), (c) => c.charCodeAt(0));
-    run.along[name] = Float32Array.from(new Int16Array(bytes.buffer), (v) => v * most / 32767);
-  }
-}
-data.runs.forEach(decodeFields);
 for (const surface of data.runs.flatMap((run) => run.surfaces)) {
   surface.positions = floats(surface.positions);
   surface.index = new Uint32Array(Uint8Array.from(atob(surface.index), (c) => c.charCodeAt(0)).buffer);
   surface.lines = surface.lines.map(floats);
 }
 
-// The rod at a time, with its scalars along it.
-function bodyAt(run, t) {
-  const shape = shapeAt(run, t), [k, w] = stored(run, t);
-  shape.fields = {};
-  for (const [name, all] of Object.entries(run.along)) {
-    const width = run.nodes, a = k * width, b = (w ? k + 1 : k) * width;
-    shape.fields[name] = Float32Array.from({ length: width }, (_, i) => all[a + i] * (1 - w) + all[b + i] * w);
-  }
-  return shape;
-}
-
 const ended = (run) => state.t / factor(run, "l/V") > run.end * (1 + 1e-6);
-const shownField = () => element("field").value;
-const shade = (value, { most, signed: sign }) => (sign ? signed(SIGNED, value, most) : mixed(RISING, saturation(value, most))).map((c) => c / 255);
 
 const parsed = (colour) => [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16) / 255);
 
@@ -44,7 +22,7 @@ const parsed = (colour) => [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2),
 function coloursOf(run, shape) {
   const field = data.fields[shownField()], along = field && shape.fields[shownField()], n = run.nodes;
   const all = new Float32Array(3 * n), own = along ? null : several ? parsed(run.colour) : [0.3, 0.45, 0.6];
-  for (let i = 0; i < n; i++) all.set(own || shade(along[i], field), 3 * i);
+  for (let i = 0; i < n; i++) all.set(own || shade(along[i], field).map((c) => c / 255), 3 * i);
   return all;
 }
 
@@ -402,10 +380,10 @@ function drawSurface(run, { positions, index, lines }, group) {
 
 // A surface that moves, where it is at a time; what has no end is laid under the rod anew (solids.py).
 function carried(surface, t) {
-  const { turns: [rate, ...place] = [0, 0, 0, 0, 0, 0, 1], endless = [], middle = [0, 0, 0] } = surface.motion;
-  const { angle } = surface.motion, turn = angle ? along(angle, t)[0] : rate * t;
+  const { turns: [, ...place] = [0, 0, 0, 0, 0, 0, 1], endless = [], middle = [0, 0, 0] } = surface.motion;
+  const turn = turnedBy(surface.motion, t);
   const about = V(...place.slice(0, 3)), axle = V(...place.slice(3));
-  const to = about.clone().add(V(...shiftOf({ moves: [0, 0, 0], ...surface.motion }, t)));
+  const to = about.clone().add(V(...shiftOf(surface.motion, t)));
   const under = V(...middle).sub(to).applyAxisAngle(axle, -turn).add(about).sub(V(...middle)), laid = V(0, 0, 0);
   for (const d of endless) laid.addScaledVector(V(...d), under.dot(V(...d)));
   const moved = (points) => {
@@ -518,9 +496,7 @@ function makeStage() {
   element("first-look").onclick = () => look(FIRST());
   element("stripe").checked = data.twisted;
   for (const id of ["stripe", "earlier"]) element(id).onchange = draw;
-  for (const [name, field] of Object.entries(data.fields)) element("field").append(new Option(field.label, name));
-  if (several) element("field").prepend(new Option("which run", "", true, true));
-  element("field").onchange = () => { makeBar(); draw(); };
+  offerFields();
   rod = { root: element("rod"), data: null, redraw: draw, setData: () => { fit(); draw(); } };
 }
 
@@ -539,25 +515,7 @@ function makeRod() {
 
 // The colours of the field with its numbers, and how strong the longest arrows are.
 function makeBar() {
-  const field = data.fields[shownField()], ticks = element("ticks");
-  element("ramp").hidden = element("bar-label").hidden = !field;
-  if (field) {
-    const unit = factor(data.runs[0], field.unit), most = field.most * unit;
-    const place = (v) => (field.signed ? 50 + 50 * Math.sign(v) * saturation(v / unit, field.most)
-      : 100 * saturation(v / unit, field.most));
-    const inner = [];
-    for (let power = Math.floor(Math.log10(most)); power > Math.log10(most) - 2; power--)
-      if (Math.abs(place(10 ** power) - (inner.length ? place(inner.at(-1)) : 100)) > 14) inner.push(10 ** power);
-    const values = [most, ...inner.filter((v) => place(v) > (field.signed ? 60 : 14) && place(v) < 88)];
-    element("ramp").style.background = `linear-gradient(to right, ${(field.signed ? SIGNED : RISING).map(rgb)})`;
-    ticks.replaceChildren(...[...(field.signed ? values.map((v) => -v) : []), 0, ...values].map((v) => {
-      const label = document.createElement("span");
-      label.style.left = `${place(v)}%`;
-      label.textContent = number(v);
-      return label;
-    }));
-    element("bar-label").textContent = named(field.unit) && `(${named(field.unit)})`;
-  }
+  makeRamp();
   const long = ARROW_SHARE * stage.extent / pixel();
   for (const [id, kind, there] of [["friction", "drag", true], ["contact", "press", hasContact]]) {
     const key = element(`${id}-key`);

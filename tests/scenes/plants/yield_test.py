@@ -11,7 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import scene  # takes .venv's python if this one lacks numpy and h5py
 from references import stiffness
-from scene import check, expect, Run, tendril
+from scene import check, expect, Run, tendril, tip_in_space
 
 import numpy as np
 
@@ -152,13 +152,96 @@ def ranks_find_the_same():
     expect(np.abs(a.tip - b.tip).max() < 1e-6 and abs(a.length[-1] - b.length[-1]) < 1e-6, f"{a.tip} {b.tip}")
 
 
+# What grows in the plane: each law, with what there is to feel and to learn.
+IN_THE_PLANE = {
+    "uniform": "-shape_type sag -shape_amplitude 0.1 -friction_mu 1 -tip_force 0.8 -growth_yield 2",
+    "feed": "-rod_curvature 0.4 -friction_mu 0 -friction_across 2 -growth_yield 1.5",
+    "apical -growth_zone 0.5": STRAIGHT + "-friction_mu 0.5 -growth_yield 1.5 -tip_force 0.4 -tip_law resistance -tropism_gravity 2.5 "
+                               "-tropism_direction 0.7,-0.7 -tropism_proprioception 1.4 -tropism_sensed tip -tropism_memory 0.5",
+}
+
+
+@check
+def a_scene_of_the_plane_is_the_same_in_space():
+    for law, more in IN_THE_PLANE.items():
+        options = f"-growth_type {law} -growth_initial_length 1 {more} -ts_max_time 0.3 -rod_cells 24 -ts_rtol 1e-7 -rod_model "
+        plane, space = Run(options + "frame"), Run(options + "space")
+        near(f"{law}, length", space.length[-1], plane.length[-1], 1e-7)
+        expect(np.abs(space.tip - plane.tip).max() < 3e-7 and space.tip_x3[-1] == 0, f"{law}: {space.tip} {plane.tip}")
+        near(f"{law}, energy", space.energy[-1] / plane.energy[-1], 1, 1e-5)
+        expect(space.energy_defect[-1] < 5e-6, f"{law}: the balance of energy is off by {space.energy_defect[-1]:g}")
+
+
+@check
+def a_wall_takes_as_much_in_space():
+    wall = Path(scene.SCRATCH) / "yield-tilted.txt"
+    wall.write_text("plane 1.1 0 -1 0.2 friction 0.3\n")
+    options = (f"-growth_type feed -growth_initial_length 1 -friction_mu 0.5 -growth_yield 1.5 -rod_curvature 0.4 -contact_diameter 0.02 "
+               f"-wall_file {wall} -ts_max_time 0.4 -rod_cells 24 -ts_rtol 1e-6 -rod_model ")
+    plane, space = Run(options + "frame"), Run(options + "space")
+    expect(plane.wall_force_1[-1] < -0.2, f"it is pressed with {plane.wall_force_1[-1]}")
+    near("length", space.length[-1], plane.length[-1], 1e-5)
+    near("wall", space.wall_force_1[-1] / plane.wall_force_1[-1], 1, 1e-4)
+
+
+@check
+def a_rod_in_space_stalls_as_one_in_the_plane():
+    options = f"{STRAIGHT}-rod_model space -growth_type feed -growth_initial_length 0.5 -friction_beta 0 -rod_cells 20 -growth_yield "
+    r = Run(f"{options}1.2 -ts_max_time 9 -stop_stall 0.1")
+    near("when", r.t[-1], -1.2 * log(0.12 / 0.7), 3e-5)
+    line = tendril(f"{options}1 -ts_max_time 12")
+    expect("stalled at length 1.00" in line and "friction takes all" in line, line)
+
+
+def root_in_space(turn=np.eye(3), hand=1, learns=True):
+    """Options of a root that is bent and twisted by nature, whose friction feels its spin, and that may feel where down is: turned
+    and mirrored."""
+    down, weight, clamp = (",".join(map(repr, (turn @ v * [1, 1, hand]).tolist())) for v in ((0.2, -0.8, 0.5), (0.1, -0.3, 0.2), (1, 0, 0)))
+    return ("-rod_model space -growth_type apical -growth_zone 0.5 -growth_initial_length 1 -friction_mu 0.5 -growth_yield 1.2 "
+            f"{STRAIGHT}-rod_curvature_2 {-hand * 0.2} -rod_twist {hand * 0.6} -rod_torsion 0.7 -friction_radius 0.1 -rod_weight {weight} "
+            f"-clamp_direction {clamp} -ts_max_time 0.3 -ts_rtol 1e-6 -rod_cells 24 "
+            + learns * f"-tropism_gravity 3 -tropism_proprioception 1 -tropism_direction {down} ")
+
+
+def grown(options):
+    """Tip, length and energy at the end."""
+    r = Run(options)
+    expect(r.energy_defect[-1] < 1e-5, f"{options}: the balance of energy is off by {r.energy_defect[-1]:g}")
+    return np.array([*tip_in_space(r), r.length[-1], r.energy[-1]])
+
+
+@check
+def turned_and_mirrored_it_is_the_same_and_goes_on_to_the_last_bit():
+    it = grown(root_in_space())
+    expect(abs(it[2]) > 1e-3, f"it leaves the plane: {it}")
+    a = np.array([0.6, 0.48, 0.64])  # the least turn that takes the clamp's axis here
+    cross = np.array([[0, -a[1], -a[2]], [a[1], 0, 0], [a[2], 0, 0]])
+    turn = np.eye(3) + cross + cross @ cross / (1 + a[0])
+    other = grown(root_in_space(turn))
+    expect(np.abs(other - [*(turn @ it[:3]), *it[3:]]).max() < 1e-8, f"turned: {it} {other}")
+    file = str(Path(scene.SCRATCH) / "yield-space-begun.h5")
+    tendril(root_in_space() + f"-ts_max_steps 20 -output {file}", 1)
+    other = grown(root_in_space() + f"-restart {file}")
+    expect((other == it).all(), f"gone on with: {it} {other}")
+    it, other = (grown(root_in_space(hand=hand, learns=False)) for hand in (1, -1))
+    expect((other == it * [1, 1, -1, 1, 1]).all(), f"mirrored: {it} {other}")
+
+
+@check(ranks=3)
+def ranks_find_the_same_in_space():
+    options = root_in_space() + "-tropism_sensed tip -ts_max_time 0.02 -rod_cells 12"
+    a, b = Run(options), Run(options, ranks=3)
+    expect(np.abs(tip_in_space(a) - tip_in_space(b)).max() < 1e-8 and abs(a.length[-1] - b.length[-1]) < 1e-8, f"{a.tip} {b.tip}")
+
+
 @check
 def what_does_not_go_with_it_is_refused():
     for options, word in (("-growth_type gaussian", "-growth_yield"), ("-growth_type none", "-growth_yield"),
-                          ("-rod_model space", "-growth_yield"), ("-rod_model linear", "-growth_yield"),
+                          ("-rod_model linear", "-growth_yield"),
                           ("-rod_model mixed", "-growth_yield"),
-                          ("-rod_order 2", "-rod_order 2"),
-                          ("-tropism_nutation 1 -tropism_nutation_2 1", "-growth_yield"),
+                          ("-rod_order 2", "-rod_order 2"), ("-rod_model space -rod_order 2", "-rod_order 2"),
+                          ("-rod_model space -growth_type gaussian", "-growth_yield"),
+                          ("-rod_model space -contact_self true -contact_diameter 0.1", "-contact_self"),
                           ("-growth_type apical -growth_profile even", "-growth_profile"),
                           ("-rod_curvature_random 0.1", "-rod_curvature_random"),
                           ("-contact_self true -contact_diameter 0.1", "-contact_self"),
