@@ -7,11 +7,15 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 scripts/setup.sh tests
-.venv/bin/python -c "import vtkmodules, nbclient, ipykernel, trimesh, websockets" 2>/dev/null ||
-  .venv/bin/python -m pip install --disable-pip-version-check -q -r tests/requirements.txt ||
-  echo "test: tests/requirements.txt cannot be had: the test of ParaView will be left out"
+# what only tests need comes while the rest is built
+{
+  .venv/bin/python -c "import vtkmodules, nbclient, ipykernel, trimesh, websockets" 2>/dev/null ||
+    .venv/bin/python -m pip install --disable-pip-version-check -q -r tests/requirements.txt ||
+    echo "test: tests/requirements.txt cannot be had: the test of ParaView will be left out"
+} &
 echo "test: building build-test/"
 build build-test all -DTENDRIL_WERROR="${TENDRIL_WERROR:-OFF}" -DPython3_EXECUTABLE="$PWD/.venv/bin/python"
+wait
 # one more than there are cores: some wait, for a browser or for a process that is held
 ctest --test-dir build-test --output-on-failure --parallel "$(($(cores) + 1))" "$@" && status=0 || status=$?
 .venv/bin/python -c 'import sys; sys.path.insert(0, "tests/support"); import chromium; chromium.FOUND or print("test: pages were", chromium.MISSING)'

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from h5py import h5a, h5d, h5g, h5o, h5s
 
 from .collection import Sweep, is_sweep, load_sweep
 from .errors import OF_CONTENT, ResultsError, path_of
@@ -19,20 +20,43 @@ MOST = 1e100  # of any number of a rod
 OF_ROD = ("finished", "parameters/contact_diameter", "parameters/friction_radius")
 
 
+def _numbers(data: h5d.DatasetID):
+    """What a dataset holds, as h5py.Dataset has it: files have hundreds, and numbers are read in half of its time."""
+    if data.shape is None or data.dtype.kind not in "fiub":
+        return h5py.Dataset(data)[()]
+    values = np.empty(data.shape, data.dtype)
+    data.read(h5s.ALL, h5s.ALL, values)
+    return values[()]
+
+
+def _words(data: h5d.DatasetID, name):
+    """The text of an attribute of a dataset, if it has it; read so for the same reason."""
+    if not h5a.exists(data, name.encode()):
+        return None
+    attribute = h5a.open(data, name.encode())
+    text = np.empty((), attribute.dtype)
+    if text.dtype.kind == "S" and attribute.get_storage_size() == text.nbytes:  # one text of a fixed length, as the program's are
+        attribute.read(text)
+    else:
+        text = h5py.Dataset(data).attrs[name]
+    return str(as_text(text))
+
+
 def _group(group, name, about):
     """The datasets of a group, those of groups within under their path."""
     table = Table()
 
-    def take(key, data):
-        if isinstance(data, h5py.Group):
-            table.update({f"{key}/{attribute}": as_text(value) for attribute, value in data.attrs.items()})
-        else:
-            table[key] = data[()]
+    def take(path):
+        one, key = h5o.open(group.id, path), path.decode()
+        if isinstance(one, h5g.GroupID):
+            table.update({f"{key}/{attribute}": as_text(value) for attribute, value in h5py.Group(one).attrs.items()})
+        elif isinstance(one, h5d.DatasetID):
+            table[key] = _numbers(one)
             for attribute, notes in about.items():
-                if attribute in data.attrs:
-                    notes[f"{name}/{key}"] = str(as_text(data.attrs[attribute]))
+                if (words := _words(one, attribute)) is not None:
+                    notes[f"{name}/{key}"] = words
 
-    group.visititems(take)
+    h5o.visit(group.id, take)
     for attribute, value in group.attrs.items():
         table[attribute] = as_text(value)
     return table
