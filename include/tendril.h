@@ -155,6 +155,9 @@ TENDRIL_API int TendrilSeries(Tendril simulation, const char *name, int *n, cons
 TENDRIL_API int TendrilRodSeries(Tendril simulation, int rod, const char *name, int *n,
                                  const double **values);
 
+/* TendrilRodSeriesName - the name of the k-th series that a rod has; NULL: there are no more. */
+TENDRIL_API const char *TendrilRodSeriesName(Tendril simulation, int rod, int k);
+
 /* TendrilRods - how many rods it has; 0 before TendrilSetUp(). */
 TENDRIL_API int TendrilRods(Tendril simulation, int *n);
 

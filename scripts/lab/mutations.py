@@ -171,7 +171,8 @@ MUTATIONS = [
     ("rests, but for a start", "base/schedule.c", "return Place(self, t) - self->start;", "return Place(self, t);"),
     # -- what is changed in a run
     ("errors followed in the scene of before", "tasks/grow_changes.c", "PetscCall(EstimateSceneChanged(self->estimate));", ";"),
-    ("looked up where it was", "scene/change.c", "PetscCall(SurfacesIndexAnew(surfaces));", ";"),
+    ("looked up where it was", "scene/change.c", "asked->t, by, x));\n  PetscCall(SurfacesIndexAnew(surfaces));",
+     "asked->t, by, x));"),
     # -- what is steered, or fed by a schedule
     ("behind a kink as before", C, "  SetOutAnew(ts, self, f);", ""),
     ("steered, but not in time", "material/curvature.c", "if (k_t) *k_t += rate + at_t * slope;", "if (k_t) *k_t += at_t * slope;"),

@@ -47,6 +47,17 @@ def shift_of(motion, t):
     return motion["shift"].at(t) if "shift" in motion else t * motion.get("moves", np.zeros(3))
 
 
+def turned(motion, t):
+    """The angle by which what moves so has turned at a time."""
+    return motion["angle"].at(t)[0] if "angle" in motion else motion["turns"][0] * t if "turns" in motion else 0.0
+
+
+def turn_of(motion, t):
+    """Of a wall of the plane, the angle to the left by which it has turned at a time, and about what [2]."""
+    place = motion.get("turns", np.array([0, 0, 0, 0, 0, 0, 1.0]))
+    return np.sign(place[6]) * turned(motion, t), place[1:3]
+
+
 def motion_of(word, tail):
     """What a line says behind `moves` or `turns`: {"moves": velocity [3]} or {"shift": Course}, {"turns": rate, place and
     axis [7]} or {"angle": Course, "turns": ... that rate 0}."""

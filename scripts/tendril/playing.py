@@ -100,24 +100,6 @@ def walls_in(path) -> list[Wall]:
     return [Wall(k, words) for k, words in enumerate(split, 1) if words]
 
 
-def upright(walls, lines) -> list[str]:
-    """The lines of a wall file in which circles and planes of the plane are the surfaces in space that they are beside a rod in
-    space, which can be moved."""
-    found = list(lines)
-    for wall in walls:
-        words = wall.words
-        if wall.kind in ("circle", "plane") and not wall.in_space:
-            rest = words[words.index("friction"):] if "friction" in words else []
-            if wall.kind == "circle":
-                x, y, r = wall.numbers[:3]
-                words = ["cylinder", x, y, "0", "0", "0", "1", r, "inside" if "inside" in words else "outside", *rest]
-            else:
-                x, y, nx, ny = wall.numbers[:4]
-                words = ["plane", x, y, "0", nx, ny, "0", *rest]
-            found[wall.line - 1] = " ".join(words)
-    return found
-
-
 def prepare(scene, options, directory, posts=0) -> Played:
     """A scene, as for tendril.run(), as it is run live; files that are made are in the directory.
 
@@ -138,28 +120,21 @@ def prepare(scene, options, directory, posts=0) -> Played:
         if not Path(found["wall_file"]).is_file():
             raise TendrilError(f"wall_file {found['wall_file']}: is not there")
         played.walls = walls_in(found["wall_file"])
-    if posts or any(not wall.in_space for wall in played.walls):
+    if posts:
         add_posts(played, directory, posts)
     return played
 
 
 def add_posts(played, directory, posts):
-    """Beside a rod in space makes walls of the plane movable; and adds posts to be put somewhere."""
+    """Adds posts to be put somewhere."""
     from .loading import load
 
-    sim = Simulation(**played.options)
-    old = Path(played.options["wall_file"]).read_text().splitlines() if played.walls else []
-    lines = upright(played.walls, old) if sim.space else list(old)
-    if posts:
-        begun = Path(directory) / "alone.h5"
-        sim.save(begun)
-        radius = max(2 * load(begun).diameter, 0.05)
-        played.posts = list(range(len(lines) + 1, len(lines) + posts + 1))
-        for k in range(posts):
-            lines.append(f"cylinder {1000 + 10 * k} 1000 0  0 0 1  {radius:.6g} outside" if sim.space
-                         else f"circle {1000 + 10 * k} 1000 {radius:.6g} outside")
-    if lines == old:
-        return
+    sim, begun = Simulation(**played.options), Path(directory) / "alone.h5"
+    sim.save(begun)
+    radius = max(2 * load(begun).diameter, 0.05)
+    lines = Path(played.options["wall_file"]).read_text().splitlines() if played.walls else []
+    played.posts = list(range(len(lines) + 1, len(lines) + posts + 1))
+    lines += [f"circle {1000 + 10 * k} 1000 {radius:.6g} outside" for k in range(posts)]
     file = Path(directory) / "walls.txt"
     file.write_text("\n".join(lines) + "\n")
     played.options["wall_file"] = str(file)

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .courses import shift_of
+from .courses import shift_of, turned
 from .errors import RunError, TendrilError
 from .outbox import ROWS, thin
 from .playing import NUMBER, Played, controls, may_lead_tip, said_rows, save_scene, senses
@@ -268,16 +268,21 @@ class Session:
     def do_wall(self, command):
         """A wall to a displacement; at once: it is put there."""
         wall = self.wall(command)
-        if not self.moves(wall):
-            raise TendrilError(f"wall {wall.line}, a {wall.kind}, stands still; beside a rod in space only surfaces in space move")
         shift = [number_of(x, "displacement") for x in command["shift"]]
         shift = (shift + [0.0] * 3)[:3]
+        if not wall.in_space:
+            shift[2] = 0.0  # it stays in its plane
         words = list(map(repr, shift))
         if command.get("at_once"):
             self.change("wall_at", " ".join([str(wall.line), *words]))
         else:
             self.change("wall_to", " ".join([str(wall.line), repr(self.soon()), *words]))
         self.shifts[wall.line] = shift
+
+    def do_turn(self, command):
+        """A wall to an angle."""
+        wall = self.wall(command)
+        self.change("wall_turn_to", f"{wall.line} {self.soon()!r} {number_of(command['angle'], 'angle')!r}")
 
     def do_post(self, command):
         """Puts one of the posts that wait somewhere."""
@@ -324,10 +329,6 @@ class Session:
             if wall.line == command["line"]:
                 return wall
         raise TendrilError("there is no such wall")
-
-    def moves(self, wall):
-        """Can it be moved?"""
-        return wall.in_space or not self.space
 
     def which(self, command):
         number = command.get("branch", self.branch.number)
@@ -542,8 +543,8 @@ class Session:
             self.branch.frames = [frames[k] for k in keep]
 
     def walls_now(self, t):
-        """How far each wall is displaced, by line."""
-        return {str(line): shift for line, shift in shifts_at(self.plain_rows() + self.branch.all_changes(), t, self.courses).items()}
+        """How far each wall is displaced, and by what angle it is turned, by line."""
+        return {str(line): place for line, place in shifts_at(self.plain_rows() + self.branch.all_changes(), t, self.courses).items()}
 
     def speed(self):
         """(steps, iterations) a second, of the last two seconds."""
@@ -643,7 +644,7 @@ class Session:
 
     def plain_rows(self):
         """Rows of -change_file that move walls, if they are plain numbers."""
-        rows = [row for row in said_rows(self.played) if row[1] in ("wall_to", "wall_at") and all(NUMBER.fullmatch(w) for w in (row[0], *row[2].split()))]
+        rows = [row for row in said_rows(self.played) if row[1] in ("wall_to", "wall_at", "wall_turn_to") and all(NUMBER.fullmatch(w) for w in (row[0], *row[2].split()))]
         return [(float(t), what, value) for t, what, value in rows]
 
     def table(self):
@@ -715,7 +716,7 @@ def drawn_walls(session):
     reach = max(float(r.shapes.x.max()), 1.0) + 1.1 * session.end  # surfaces are drawn as far as the rod may come
     for wall, line in lines_of(session):
         words = line.split()
-        one = {"line": wall.line, "kind": wall.kind, "moves": session.moves(wall), "inside": "inside" in words}
+        one = {"line": wall.line, "kind": wall.kind, "inside": "inside" in words, "about": axis_of(line)}
         numbers = [float(w) for w in words[1:8] if NUMBER.fullmatch(w)]
         if wall.kind in ("tube", "body"):
             pass
@@ -767,41 +768,70 @@ def saved_changes(file):
 
 
 def shifts_at(changes, t, courses=None):
-    """By line, how far walls are displaced at a time: as the library leads them, from where their own lines have them, {line:
-    shift over time}."""
+    """By line, how far walls are displaced at a time, and by what angle they are turned [4]: as the library leads them, from where
+    their own lines have them, {line: that over time}."""
     found, courses = {}, courses or {}
     for begin, what, value in changes:
-        if what not in ("wall_to", "wall_at") or begin > t:
+        if what not in ("wall_to", "wall_at", "wall_turn_to") or begin > t:
             continue
-        words = value.split()
-        line = int(words[0])
-        x = np.array([float(v) for v in words[2 if what == "wall_to" else 1:]] + [0.0])[:3]
-        x = np.pad(x, (0, 3 - len(x)))
-        lead = found.get(line)
-        at, rate = led(lead, begin) if lead else carried(courses.get(line), begin)
-        found[line] = (begin, float(words[1]), at, rate, x) if what == "wall_to" else (begin, begin, x, 0 * x, x)
-    return {line: np.asarray(course(t)).tolist() for line, course in courses.items() if line not in found} | {
-        line: led(lead, t)[0].tolist() for line, lead in found.items()}
+        words, turns = value.split(), what == "wall_turn_to"
+        line, end = int(words[0]), begin if what == "wall_at" else float(words[1])
+        given = [float(v) for v in words[1 if what == "wall_at" else 2:]]
+        place, angle = found.get(line, (None, None))
+        at, rate = (part[3:] if turns else part[:3] for part in carried(courses.get(line), begin))
+        if (before := angle if turns else place) is not None:
+            at, rate = led(before, begin)
+        to = np.array(given if turns else (given + [0.0])[:3])
+        now = (begin, end, at, rate, to) if end > begin else (begin, begin, to, 0 * to, to)
+        found[line] = (place, now) if turns else (now, angle)
+    return {line: placed(found.get(line, (None, None)), courses.get(line), t) for line in found.keys() | courses.keys()}
+
+
+def placed(leads, course, t):
+    """[4] of a wall, as the leads of its place and angle have it, where there are any, or its course."""
+    own = carried(course, t)[0]
+    parts = (led(lead, t)[0] if lead is not None else part for lead, part in zip(leads, (own[:3], own[3:])))
+    return np.concatenate(list(parts)).tolist()
 
 
 def carried(course, t):
-    """(where, how fast) of what moves as its line says; None: not at all."""
+    """(where, how fast) [4] of what moves as its line says; None: not at all."""
     if course is None:
-        return np.zeros(3), np.zeros(3)
+        return np.zeros(4), np.zeros(4)
     moment = 1e-6 * (1 + t)
-    return np.asarray(course(t)), (np.asarray(course(t + moment)) - np.asarray(course(t - moment))) / (2 * moment)
+    return course(t), (course(t + moment) - course(t - moment)) / (2 * moment)
+
+
+def course_of(motion, t):
+    return np.append(shift_of(motion, t), turned(motion, t))
 
 
 def courses_of(session):
-    """{line: shift over time} of the walls that move as their lines say."""
+    """{line: displacement and angle over time} of the walls that move as their lines say."""
     from .walls import ends_of
 
     found = {}
     for wall, line in lines_of(session):
-        motion = ends_of(line.split())[2]
-        if motion.keys() & {"shift", "moves"}:
-            found[wall.line] = partial(shift_of, motion)
+        if motion := ends_of(line.split())[2]:
+            found[wall.line] = partial(course_of, motion)
     return found
+
+
+def axis_of(line):
+    """About which a wall turns, a place and a direction [6], or None: about its middle where its line does not say it, as the
+    library has it."""
+    from .walls import ends_of
+
+    words, _, motion = ends_of(line.split())
+    if "turns" in motion:
+        return motion["turns"][1:].tolist()
+    numbers = [float(w) for w in words[1:] if NUMBER.fullmatch(w)]
+    if words[0] in ("tube", "body"):
+        return None
+    if words[0] in ("polygon", "path"):
+        return [*np.reshape(numbers[words[0] == "path":], (-1, 2)).mean(axis=0).tolist(), 0, 0, 0, 1]
+    flat = words[0] == "circle" or words[0] == "plane" and len(numbers) < 6
+    return [*(numbers[:2] if flat else numbers[:3]), *([0] if flat else []), 0, 0, 1]
 
 
 def led(lead, t):

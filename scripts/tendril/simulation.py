@@ -33,13 +33,13 @@ import numpy as np
 
 from .errors import RunError, TendrilError
 from .naming import unknown
-from .runs import CHECKOUT, executable, scene_words, text_of, words_of
+from .runs import CHECKOUT, executable, rod_words, text_of, words_of
 
 OK, ENDED, WATCH, USER, RUN, LAW, PETSC = range(7)  # what calls return, as tendril.h has it
 NODE = np.dtype([("s", float), ("stretch", float), ("theta", float), ("x", float, 3), ("v", float, 3),
                  ("d", float, (3, 3)), ("curvature", float, 3), ("moment", float, 3), ("force", float, 3),
                  ("contact", float, 3)])
-BY_WORDS = ("wall_friction", "wall_to", "wall_at", "curvature_to", "curvature_2_to", "twist_to", "tip_to", "tip_turn_to")
+BY_WORDS = ("wall_friction", "wall_to", "wall_at", "wall_turn_to", "curvature_to", "curvature_2_to", "twist_to", "tip_to", "tip_turn_to")
 VALUES = {"friction": 2, "growth": 5, "curvature": 6}  # of a law
 LOCK = threading.RLock()  # PETSc is in one call at a time
 
@@ -59,6 +59,9 @@ CALLS = {"TendrilCreateFortran": [c_int, POINTER(c_void_p)], "TendrilDestroy": [
          "TendrilTime": [c_void_p, POINTER(c_double)],
          "TendrilNodes": [c_void_p, c_int, POINTER(c_int), POINTER(c_void_p)],
          "TendrilSeries": [c_void_p, c_char_p, POINTER(c_int), POINTER(c_void_p)],
+         "TendrilRods": [c_void_p, POINTER(c_int)], "TendrilRodName": [c_void_p, c_int],
+         "TendrilRodSeriesName": [c_void_p, c_int, c_int],
+         "TendrilRodSeries": [c_void_p, c_int, c_char_p, POINTER(c_int), POINTER(c_void_p)],
          "TendrilSeriesName": [c_void_p, c_int], "TendrilSave": [c_void_p, c_char_p],
          "TendrilSaveAt": [c_void_p, c_double, c_char_p], "TendrilLoad": [c_void_p, c_char_p],
          "TendrilMessage": [c_void_p], "TendrilVersion": []}
@@ -97,7 +100,7 @@ def library():
             raise TendrilError(f"{found}: is of another version of tendril: it has no {name}")
         call.argtypes = arguments
         call.restype = {"TendrilMessage": c_char_p, "TendrilVersion": c_char_p, "TendrilSeriesName": c_char_p,
-                        "TendrilDestroy": None}.get(name, c_int)
+                        "TendrilRodName": c_char_p, "TendrilRodSeriesName": c_char_p, "TendrilDestroy": None}.get(name, c_int)
     return lib
 
 
@@ -122,12 +125,14 @@ class Series(Mapping):
     time if that is within a step. Read-only; where it is between steps they look into the library's memory,
     which later steps do not change."""
 
-    def __init__(self, simulation):
+    def __init__(self, simulation, rod=None):
         self._of = weakref.ref(simulation)
+        self._rod = rod  # of several; None: the only one, or all of them
 
     def _names(self):
         sim, names = self._of(), []
-        while name := library().TendrilSeriesName(sim._pointer, len(names)):
+        call, of = ("TendrilSeriesName", ()) if self._rod is None else ("TendrilRodSeriesName", (self._rod,))
+        while name := getattr(library(), call)(sim._pointer, *of, len(names)):
             names.append(name.decode())
         return names
 
@@ -136,8 +141,9 @@ class Series(Mapping):
 
     def __getitem__(self, name):
         sim, n, values = self._of(), c_int(), c_void_p()
+        call = ("TendrilSeries",) if self._rod is None else ("TendrilRodSeries", self._rod)
         try:
-            sim._call("TendrilSeries", str(name).encode(), byref(n), byref(values))
+            sim._call(*call, str(name).encode(), byref(n), byref(values))
         except RunError:
             if name in self._names():
                 raise
@@ -162,10 +168,62 @@ class Series(Mapping):
         return f"series of {', '.join(self._names())}"
 
 
-class Simulation:
+class Rod:
+    """What there is of a rod now; of one of several: sim["left"]."""
+
+    def __init__(self, simulation, number, name):
+        self._of, self._number, self.name = weakref.ref(simulation), number, name
+
+    @property
+    def _simulation(self):
+        sim = self._of()
+        if sim is None:
+            raise TendrilError("the simulation is closed")
+        return sim
+
+    @property
+    def nodes(self):
+        """All that is known at the nodes, a record array (docs/library.md). It stays as it is when the
+        simulation goes on. Of several ranks the first has it; elsewhere it is empty."""
+        return self._simulation._nodes_of(self._number)
+
+    @property
+    def series(self) -> Series:
+        """The series so far, by the names that the result file has for them."""
+        return Series(self._simulation, self._number)
+
+    def set(self, option, value):
+        """Changes something of this rod from the present time on."""
+        self._simulation.set(f"{self.name}_{str(option).lstrip('-')}", value)
+
+    @property
+    def space(self) -> bool:
+        """Is the rod in space?"""
+        return "tip_x3" in self.series
+
+    def _vectors(self, name):
+        return self.nodes[name] if self.space else self.nodes[name][:, :2]
+
+    def _about(self, name):
+        return self.nodes[name] if self.space else self.nodes[name][:, 2]
+
+    s = property(lambda self: self.nodes["s"], doc="material labels of the nodes, 0 at the clamp, 1 at the tip")
+    x = property(lambda self: self._vectors("x"), doc="positions of the nodes")
+    v = property(lambda self: self._vectors("v"), doc="velocities of the material at the nodes")
+    force = property(lambda self: self._vectors("force"), doc="internal force at the nodes")
+    theta = property(lambda self: self.nodes["theta"], doc="angle of the tangent at the nodes")
+    curvature = property(lambda self: self._about("curvature"), doc="curvature; in space twist and two bends")
+    moment = property(lambda self: self._about("moment"), doc="internal moment at the nodes")
+
+    def __repr__(self):
+        return f"rod {self.name} of {self._simulation!r}"
+
+
+class Simulation(Rod):
     """A run in this process.
 
     scene      an options file, the name of a scene, a dict of options, or nothing
+    rods       of several, and pairs: as for tendril.run(); then sim["left"].x, sim.rods
     options    those of docs/options.md, as for tendril.run(); they win over the scene's
     friction   a law of one's own: of |v|^2, phi and its derivative; the force per length is -phi v
     growth     ... of s and t: g, dg/dt, dg/ds, p, dp/dt, p the integral of g
@@ -177,13 +235,14 @@ class Simulation:
     still be read and saved.
     """
 
-    def __init__(self, scene=None, *, friction=None, growth=None, curvature=None, comm=None, load=None, **options):
+    def __init__(self, scene=None, *, rods=None, pairs=None, friction=None, growth=None, curvature=None, comm=None, load=None,
+                 **options):
         handle = -1 if comm is None else int(comm) if isinstance(comm, int) else comm.py2f()
         self._copies = comm is not None  # what is collective is not left to when arrays go
         self._handle = self._nodes = self._raised = None
         self._within = False
         with tempfile.TemporaryDirectory(prefix="tendril-") as directory:
-            words = scene_words(scene, directory) + words_of(options, directory)
+            words = rod_words(scene, rods, pairs, directory) + words_of(options, directory)
             self._handle = Handle(handle)
             for name, value in zip(words[::2], words[1::2]):
                 self._call("TendrilSet", name.encode(), value.encode())
@@ -287,40 +346,45 @@ class Simulation:
         name = os.fsencode(file)
         self._call(*(("TendrilSave", name) if t is None else ("TendrilSaveAt", float(t), name)))
 
+    def _nodes_of(self, rod):
+        if self._nodes is None:
+            self._nodes = {}
+        if rod not in self._nodes:
+            n, nodes = c_int(), c_void_p()
+            self._call("TendrilNodes", rod, byref(n), byref(nodes))
+            block = ctypes.string_at(nodes.value, n.value * NODE.itemsize) if n.value else b""
+            self._nodes[rod] = np.frombuffer(block, NODE)
+        return self._nodes[rod]
+
+    @property
+    def rods(self) -> dict[str, Rod]:
+        """Those of a scene of several, by their names; of one rod: none."""
+        n = c_int()
+        self._call("TendrilRods", byref(n))
+        names = [library().TendrilRodName(self._pointer, k).decode() for k in range(n.value)]
+        return {name: Rod(self, k, name) for k, name in enumerate(names) if name}
+
+    def __getitem__(self, name) -> Rod:
+        rods = self.rods
+        if name not in rods:
+            raise KeyError(f"{name}: no rod of this simulation{unknown(name, rods, ', which has')}")
+        return rods[name]
+
     @property
     def nodes(self):
-        """All that is known at the nodes, a record array (docs/library.md). It stays as it is when the
-        simulation goes on. Of several ranks the first has it; elsewhere it is empty."""
-        if self._nodes is None:
-            n, nodes = c_int(), c_void_p()
-            self._call("TendrilNodes", 0, byref(n), byref(nodes))
-            block = ctypes.string_at(nodes.value, n.value * NODE.itemsize) if n.value else b""
-            self._nodes = np.frombuffer(block, NODE)
-        return self._nodes
+        """As of a Rod: of the only one."""
+        if rods := self.rods:
+            raise TendrilError(f"the simulation holds {len(rods)} rods; take one, as sim[{next(iter(rods))!r}].x")
+        return self._nodes_of(0)
 
     @property
     def series(self) -> Series:
-        """The series so far, by the names that the result file has for them."""
+        """As of a Rod; of several: sums, or the largest."""
         return Series(self)
 
     @property
-    def space(self) -> bool:
-        """Is the rod in space?"""
-        return "tip_x3" in self.series
-
-    def _vectors(self, name):
-        return self.nodes[name] if self.space else self.nodes[name][:, :2]
-
-    def _about(self, name):
-        return self.nodes[name] if self.space else self.nodes[name][:, 2]
-
-    s = property(lambda self: self.nodes["s"], doc="material labels of the nodes, 0 at the clamp, 1 at the tip")
-    x = property(lambda self: self._vectors("x"), doc="positions of the nodes")
-    v = property(lambda self: self._vectors("v"), doc="velocities of the material at the nodes")
-    force = property(lambda self: self._vectors("force"), doc="internal force at the nodes")
-    theta = property(lambda self: self.nodes["theta"], doc="angle of the tangent at the nodes")
-    curvature = property(lambda self: self._about("curvature"), doc="curvature; in space twist and two bends")
-    moment = property(lambda self: self._about("moment"), doc="internal moment at the nodes")
+    def _simulation(self):
+        return self
 
     def close(self):
         """Ends it; its memory goes with the last array that looks into it. On several ranks: on all."""

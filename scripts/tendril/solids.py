@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from .courses import shift_of
+from .courses import shift_of, turned
 from .results import Results
 from .senses import lamp
 from .spatial import carried, slopes
@@ -40,8 +40,7 @@ class Surface:
         turns, middle = (self.motion.get(what, still) for what, still in
                          (("turns", np.array([0, 0, 0, 0, 0, 0, 1.0])), ("middle", np.zeros(3))))
         shift = shift_of(self.motion, t)
-        angle = self.motion["angle"].at(t)[0] if "angle" in self.motion else turns[0] * t
-        turn, place = Rotation.from_rotvec(angle * turns[4:]), turns[1:4]
+        turn, place = Rotation.from_rotvec(turned(self.motion, t) * turns[4:]), turns[1:4]
         under = turn.inv().apply(middle - place - shift) + place  # what was drawn there is under the rod now
         laid = self.endless.T @ (self.endless @ (under - middle))
 

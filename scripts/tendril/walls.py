@@ -20,7 +20,7 @@ from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.transforms import Affine2D
 
-from .courses import motion_of, shift_of
+from .courses import motion_of, shift_of, turn_of
 from .senses import lamp
 from .surroundings import layers_of, pressed, stiffness_along
 
@@ -38,12 +38,16 @@ class Wall:
     motion: dict = field(default_factory=dict)  # of what moves: see courses.motion_of()
 
     def at(self, t):
-        """It where it is at a time; a wall of the plane, which does not turn."""
+        """It where it is at a time; a wall of the plane."""
         if not self.motion:
             return self
         numbers, first = self.numbers.copy(), int(self.kind == "path")
         places = numbers[first:len(numbers) if self.kind in ("path", "polygon") else 2].reshape(-1, 2)
-        places += shift_of(self.motion, t)[:2]
+        angle, about = turn_of(self.motion, t)
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        places[:] = (places - about) @ turn + about + shift_of(self.motion, t)[:2]
+        if self.kind == "plane":
+            numbers[2:4] = numbers[2:4] @ turn
         return replace(self, numbers=numbers, motion={})
 
 

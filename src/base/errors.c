@@ -30,13 +30,14 @@ static void EndAll(MPI_Comm comm, PetscErrorCode n) {
 }
 
 static void Say(PetscErrorCode n, const char *message, PetscBool keep) {
+  char where[96] = "";
   const char *const about =
       n == TENDRIL_ERR_USER ? now->about : "an option is not as PETSc needs it: ";
-  if (now->locate) now->locate(now->located, message, now->about);
+  if (now->locate && n == TENDRIL_ERR_USER) now->locate(now->located, message, where);
   if (keep)
-    (void)snprintf(now->message, sizeof(now->message), "%s%s", about, message);
+    (void)snprintf(now->message, sizeof(now->message), "%s%s%s", where, about, message);
   else
-    fprintf(stderr, "tendril: %s%s\n", about, message);
+    fprintf(stderr, "tendril: %s%s%s\n", where, about, message);
   now->said = PETSC_TRUE;
 }
 
@@ -139,7 +140,8 @@ void ErrorsAbout(const char *about) {
   if (now) (void)snprintf(now->about, sizeof(now->about), "%s", about);
 }
 
-/* ErrorsLocate - likewise, found by the line itself when it is said; NULL: no more. */
+/* ErrorsLocate - what stands before that, found by the line itself when it is said; NULL: no more.
+ */
 void ErrorsLocate(void (*locate)(const void *ctx, const char *message, char about[96]),
                   const void *ctx) {
   if (!now) return;

@@ -18,7 +18,7 @@ typedef struct ErrorState {
   PetscBool said;    /* the line is out */
   PetscBool keep;    /* keeps the line in message instead of printing it */
   char about[96];    /* stands before a line about an option: where that was asked for */
-  /* says so by the line itself; NULL: about does */
+  /* what stands before that, by the line itself; NULL: nothing */
   void (*locate)(const void *ctx, const char *message, char about[96]);
   const void *located; /* its ctx */
   char message[1024];

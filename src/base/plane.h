@@ -54,6 +54,15 @@ static inline Vector2 Direction2(PetscReal angle) {
   return (Vector2){PetscCosReal(angle), PetscSinReal(angle)};
 }
 
+/* b turned by an angle, of which a is cosine and sine; and back. */
+static inline Vector2 Turned2(Vector2 a, Vector2 b) {
+  return (Vector2){a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x};
+}
+
+static inline Vector2 TurnedBack2(Vector2 a, Vector2 b) {
+  return (Vector2){a.x * b.x + a.y * b.y, a.x * b.y - a.y * b.x};
+}
+
 /* turned to the left by a quarter */
 static inline Vector2 Left2(Vector2 a) {
   return (Vector2){-a.y, a.x};

@@ -55,6 +55,16 @@ static inline PetscReal ColumnDot3(const PetscReal *M, int n, int c, const Petsc
   return M[c] * x[0] + M[n + c] * x[1] + M[2 * n + c] * x[2];
 }
 
+/* TurnAbout3 - v turned about an axis of length 1 by an angle (Rodrigues). */
+static inline void TurnAbout3(const PetscReal a[3], PetscReal angle, const PetscReal v[3],
+                              PetscReal w[3]) {
+  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle), along = (1 - c) * Dot3(a, v);
+  PetscReal across[3];
+
+  Cross3(a, v, across);
+  for (int d = 0; d < 3; d++) w[d] = c * v[d] + s * across[d] + along * a[d];
+}
+
 /* Turn3 - y = M x;  TurnBack3 - y = M^T x. x is not y. */
 static inline void Turn3(const PetscReal M[3][3], const PetscReal x[3], PetscReal y[3]) {
   for (int d = 0; d < 3; d++) y[d] = Dot3(M[d], x);

@@ -6,7 +6,7 @@ static PetscErrorCode Check(Tendril self, const char *name) {
   PetscFunctionBegin;
   UserCheck(!self->failed, self->comm, "%s: the run has given up; nothing can be changed any more",
             name);
-  UserCheck(!self->ended || (!strcmp(name, "-ts_max_time") && !self->grow->event.kind), self->comm,
+  UserCheck(!self->ended || (!strcmp(name, "-ts_max_time") && CourseMayGoOn(self)), self->comm,
             "%s: the run is at its end; nothing can be changed any more", name);
   PetscFunctionReturn(0);
 }
@@ -17,12 +17,9 @@ static PetscErrorCode Check(Tendril self, const char *name) {
 */
 PetscErrorCode SimulationChange(Tendril self, const char *name, const char *value) {
   PetscFunctionBegin;
-  UserCheck(self->grow, self->comm, "%s: several rods are not changed in a run in this version",
-            name);
   PetscCall(Check(self, name));
-  PetscCall(GrowApply(self->grow, name, value, self->at));
-  PetscCall(ChangesDo(&self->scene->changes, self->at, name, value));
-  self->ended = self->grow->over = PETSC_FALSE;
+  PetscCall(CourseChange(self, name, value));
+  self->ended = PETSC_FALSE;
   PetscCall(SimulationLook(self));
   PetscFunctionReturn(0);
 }

@@ -96,7 +96,7 @@ Grow *CourseRod(const struct Tendril_ *self, PetscInt k) {
 /* CourseStep - one step on; or what is beyond a time waits. Collective. */
 PetscErrorCode CourseStep(Tendril self, PetscReal until) {
   PetscFunctionBegin;
-  PetscCall(self->grow ? GrowStepOn(self->grow, until) : RunStep(self->several, until));
+  PetscCall(self->grow ? GrowStepOn(self->grow, until) : RunStepOn(self->several, until));
   PetscFunctionReturn(0);
 }
 
@@ -114,6 +114,45 @@ PetscErrorCode CourseStartOver(Tendril self) {
   PetscFunctionBegin;
   PetscCall(GrowStartOver(self->grow));
   PetscCall(GrowCreate(self->grow, "", ""));
+  PetscFunctionReturn(0);
+}
+
+/* CourseMayGoOn - may it go on behind its end, if that is put off? Not behind an event. */
+PetscBool CourseMayGoOn(const struct Tendril_ *self) {
+  return (PetscBool) !(self->grow ? self->grow->event.kind != EVENT_NONE
+                                  : self->several->stopped_by >= 0);
+}
+
+/* The rod whose prefix a name has, which is taken off; -1: all rods are meant. */
+static PetscInt TakePrefix(Run *run, const char *name, char option[128]) {
+  for (PetscInt k = 0; k < run->n; k++) {
+    const char *rod = RodsName(run->rods, k);
+    const size_t n = strlen(rod);
+    if (strncmp(name + 1, rod, n) != 0 || name[1 + n] != '_') continue;
+    (void)snprintf(option, 128, "-%s", name + n + 2);
+    return k;
+  }
+  (void)snprintf(option, 128, "%s", name);
+  return -1;
+}
+
+/* CourseChange - a new value from the present time on. What is refused has changed nothing.
+   Collective. */
+PetscErrorCode CourseChange(Tendril self, const char *name, const char *value) {
+  char option[128];
+  PetscInt rod;
+
+  PetscFunctionBegin;
+  if (self->grow) {
+    PetscCall(GrowApply(self->grow, name, value, self->at));
+    PetscCall(ChangesDo(&self->scene->changes, self->at, name, value));
+    self->grow->over = PETSC_FALSE;
+    PetscFunctionReturn(0);
+  }
+  rod = TakePrefix(self->several, name, option);
+  PetscCall(RunApply(self->several, rod, option, value, self->at));
+  PetscCall(RunRecord(self->several, rod, option, value, self->at));
+  self->several->over = PETSC_FALSE;
   PetscFunctionReturn(0);
 }
 

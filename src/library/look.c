@@ -180,11 +180,20 @@ static PetscInt Whole(const struct Tendril_ *self) {
   return self->several ? self->rods : 0;
 }
 
-const char *TendrilSeriesName(Tendril self, int k) {
-  if (!self || !CourseIsThere(self) || k < 0) return NULL;
-  for (int i = 0; i < OBSERVED; i++)
-    if ((Has(self, Whole(self), i) || Has(self, 0, i)) && k-- == 0) return observed_name[i];
+/* The k-th series that a rod has; behind the last: all of them. */
+static const char *NameOf(const struct Tendril_ *self, PetscInt rod, int k) {
+  for (int i = 0; i < OBSERVED && k >= 0; i++)
+    if (Has(self, rod, i) && k-- == 0) return observed_name[i];
   return NULL;
+}
+
+const char *TendrilSeriesName(Tendril self, int k) {
+  return self && CourseIsThere(self) ? NameOf(self, Whole(self), k) : NULL;
+}
+
+const char *TendrilRodSeriesName(Tendril self, int rod, int k) {
+  if (!self || !CourseIsThere(self) || rod < 0 || rod >= self->rods) return NULL;
+  return NameOf(self, rod, k);
 }
 
 /* The series of rod k; behind the last: of all of them. */

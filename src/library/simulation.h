@@ -65,6 +65,8 @@ Grow *CourseRod(const struct Tendril_ *self, PetscInt k);
 PetscErrorCode CourseStep(Tendril self, PetscReal until);
 PetscErrorCode CourseFinish(Tendril self, PetscBool *again);
 PetscErrorCode CourseStartOver(Tendril self);
+PetscBool CourseMayGoOn(const struct Tendril_ *self);
+PetscErrorCode CourseChange(Tendril self, const char *name, const char *value);
 PetscErrorCode CourseState(Tendril self, PetscReal t, Vec V[2], Vec *U, Vec *U_t);
 PetscErrorCode CourseSave(Tendril self, const char *path, PetscReal t, PetscReal now);
 

@@ -164,20 +164,26 @@ static PetscErrorCode Again(Scene scene, const char *lines, const ChangeRow *row
 /*
   RestartChange - does again what was changed in the earlier run, but for a later end, with which
   the options have it already. After all that follows from the scene as the run began. Collective.
+
+  rod  which of several; NULL: there is one
 */
-PetscErrorCode RestartChange(const char *file, Scene scene) {
+PetscErrorCode RestartChange(const char *file, const char *rod, Scene scene) {
   Changes changes;
-  char *lines;
+  char name[96], *lines;
 
   PetscFunctionBegin;
-  PetscCall(ChangesTake(file, &scene->changes));
+  (void)snprintf(name, sizeof(name), rod ? "/rods/of/%s/changes" : "changes", rod);
+  PetscCall(ChangesTake(file, name, &scene->changes));
   changes = scene->changes;
-  PetscCall(HdfReadText("-restart", file, "options", &lines));
+  if (rod)
+    PetscCall(OptionsList(&lines));
+  else
+    PetscCall(HdfReadText("-restart", file, "options", &lines));
   for (PetscInt k = 0; changes && k < changes->done; k++)
     if (strcmp(changes->row[k].what, "ts_max_time") != 0)
       PetscCall(Again(scene, lines, &changes->row[k]));
   PetscCall(PetscFree(lines));
-  PetscCall(CheckLength(file, scene, scene->comm));
+  if (!rod) PetscCall(CheckLength(file, scene, scene->comm));
   PetscFunctionReturn(0);
 }
 

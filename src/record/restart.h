@@ -11,7 +11,7 @@ extern const OptionGroup restart_options;
 
 PetscErrorCode RestartOptions(char file[PETSC_MAX_PATH_LEN], PetscBool *restart);
 PetscErrorCode RestartRead(const char *file, Scene scene, RestartState *state, PetscBool *begun);
-PetscErrorCode RestartChange(const char *file, Scene scene);
+PetscErrorCode RestartChange(const char *file, const char *rod, Scene scene);
 PetscErrorCode RestartTake(const char *file, const RestartState *state, Leg *leg);
 PetscErrorCode RestartReadErrors(const char *file, const RestartState *state, MPI_Comm comm,
                                  Vec errors[]);

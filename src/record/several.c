@@ -1,6 +1,7 @@
 #include "record/several.h"
 #include "base/lock.h"
 #include "record/storing.h"
+#include "record/xdmf.h"
 #include <petsctime.h>
 
 /* A store writes the file anew, which is to take a twentieth of the time at most. */
@@ -155,6 +156,40 @@ static PetscErrorCode WriteRods(const Several *self, HdfFile file) {
   PetscCall(HdfColumn(file, "/rods/count", HDF_INTS, self->n, "1", "nodes of each [r]"));
   PetscCall(HdfPut(file, "/rods/count", self->n, row, count));
   PetscCall(PetscFree4(first, count, name, row));
+  PetscFunctionReturn(0);
+}
+
+/* The nodes of each as a line: what Xdmf calls mixed topology. */
+static PetscErrorCode WriteLines(const Several *self, HdfFile file) {
+  enum { POLYLINE = 2 };
+  PetscInt room = 0, n = 0, node = 0, *row;
+  PetscInt64 *line;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) room += 2 + self->each[k]->nodes;
+  PetscCall(PetscMalloc2(room, &line, room, &row));
+  for (PetscInt k = 0; k < self->n; k++) {
+    line[n++] = POLYLINE;
+    line[n++] = self->each[k]->nodes;
+    for (PetscInt i = 0; i < self->each[k]->nodes; i++) line[n++] = node++;
+  }
+  for (PetscInt i = 0; i < room; i++) row[i] = i;
+  PetscCall(HdfColumn(file, "/rods/lines", HDF_INTS, room, "1",
+                      "each for viewers: 2 (a line), how many nodes, and which"));
+  PetscCall(HdfPut(file, "/rods/lines", room, row, line));
+  PetscCall(PetscFree2(line, row));
+  PetscFunctionReturn(0);
+}
+
+/* The description of a file that has been written, for viewers. */
+static PetscErrorCode Describe(const Several *self, const char *path) {
+  const Output one = self->each[0];
+  PetscInt nodes = 0;
+
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < self->n; k++) nodes += self->each[k]->nodes;
+  PetscCall(XdmfWrite(path, self->n, nodes, one->times_n, one->times,
+                      (PetscBool)(Fullest(self)->sets > CONTACT_SET), PETSC_TRUE));
   PetscFunctionReturn(0);
 }
 
@@ -331,6 +366,7 @@ static PetscErrorCode WriteAll(const Several *self, HdfFile file, PetscReal t, P
   PetscCall(HdfWriteText(file, "/rods/text", text, "the rods' own options, a section each"));
   PetscCall(PetscFree(text));
   PetscCall(WriteRods(self, file));
+  PetscCall(WriteLines(self, file));
   PetscCall(WriteSeries(self, file));
   PetscCall(WriteShapes(self, file));
   PetscCall(WriteJoints(self, file));
@@ -390,6 +426,7 @@ PetscErrorCode SeveralStore(Several *self, PetscReal t, PetscBool finished) {
             "-output %s: cannot be written: %s%s; make room, or name a file elsewhere", self->path,
             fault, self->there ? "; what was stored before is whole" : "");
   self->there = PETSC_TRUE;
+  PetscCall(Describe(self, self->path));
   PetscCall(PetscTime(&self->stored_at));
   self->cost = self->stored_at - begin;
   PetscFunctionReturn(0);
@@ -407,6 +444,7 @@ PetscErrorCode SeveralSave(Several *self, const char *path, PetscReal t, PetscBo
   PetscCall(HdfClose(&file, fault));
   UserCheck(!fault[0], OptionsComm(),
             "save %s: cannot be written: %s; make room, or name a file elsewhere", path, fault);
+  PetscCall(Describe(self, path));
   PetscFunctionReturn(0);
 }
 

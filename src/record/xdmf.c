@@ -39,13 +39,35 @@ static void Vectors(FILE *f, const char *h5, PetscInt shapes, PetscInt nodes, Pe
   }
 }
 
+/* The lines of a shape: that of a rod, or those of several, each with its number. */
+static void Lines(FILE *f, const char *h5, PetscInt rods, PetscInt nodes) {
+  if (rods < 2) {
+    fprintf(f,
+            "    <Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" "
+            "NodesPerElement=\"%d\"/>\n",
+            (int)nodes);
+    return;
+  }
+  fprintf(f,
+          "    <Topology TopologyType=\"Mixed\" NumberOfElements=\"%d\"><DataItem "
+          "Dimensions=\"%d\" NumberType=\"Int\" Precision=\"8\" Format=\"HDF\">%s:/rods/lines"
+          "</DataItem></Topology>\n    <Attribute Name=\"rod\" AttributeType=\"Scalar\" "
+          "Center=\"Cell\"><DataItem Dimensions=\"%d\" NumberType=\"Int\" Format=\"XML\">",
+          (int)rods, (int)(nodes + 2 * rods), h5, (int)rods);
+  for (PetscInt k = 0; k < rods; k++) fprintf(f, k ? " %d" : "%d", (int)k);
+  fprintf(f, "</DataItem></Attribute>\n");
+}
+
 /*
   XdmfWrite - writes FILE.xmf beside a result file FILE.h5: the rod as a polyline that moves in
   time, with its angle, curvature and force, and that of contact if there is any. Not collective. A
   file that cannot be written is passed over, and there is then none: the results are in the other.
+
+  rods   in the file, whose /rods/lines has the nodes of each; 1: all nodes are of one
+  nodes  of all
 */
-PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[],
-                         PetscBool contact, PetscBool space) {
+PetscErrorCode XdmfWrite(const char *file, PetscInt rods, PetscInt nodes, PetscInt shapes,
+                         const PetscReal t[], PetscBool contact, PetscBool space) {
   char path[PETSC_MAX_PATH_LEN], part[PETSC_MAX_PATH_LEN + 8], *dot;
   const char *slash = strrchr(file, '/'), *h5 = slash ? slash + 1 : file;
   PetscBool whole;
@@ -62,11 +84,9 @@ PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, cons
   fprintf(f, "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
              "<Grid Name=\"rod\" GridType=\"Collection\" CollectionType=\"Temporal\">\n");
   for (PetscInt k = 0; k < shapes; k++) {
-    fprintf(f,
-            "  <Grid Name=\"rod\">\n    <Time Value=\"%.15g\"/>\n"
-            "    <Topology TopologyType=\"Polyline\" NumberOfElements=\"1\" "
-            "NodesPerElement=\"%d\"/>\n    <Geometry GeometryType=\"%s\">",
-            (double)t[k], (int)nodes, space ? "XYZ" : "XY");
+    fprintf(f, "  <Grid Name=\"rod\">\n    <Time Value=\"%.15g\"/>\n", (double)t[k]);
+    Lines(f, h5, rods, nodes);
+    fprintf(f, "    <Geometry GeometryType=\"%s\">", space ? "XYZ" : "XY");
     Slab(f, h5, "x", shapes, nodes, k, space ? 3 : 2, 0, space ? 3 : 2);
     fprintf(f, "</Geometry>\n");
     Scalar(f, "theta", h5, "theta", shapes, nodes, k, 1, 0);

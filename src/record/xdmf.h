@@ -4,7 +4,7 @@
 
 #include <petscsys.h>
 
-PetscErrorCode XdmfWrite(const char *file, PetscInt nodes, PetscInt shapes, const PetscReal t[],
-                         PetscBool contact, PetscBool space);
+PetscErrorCode XdmfWrite(const char *file, PetscInt rods, PetscInt nodes, PetscInt shapes,
+                         const PetscReal t[], PetscBool contact, PetscBool space);
 
 #endif

@@ -101,7 +101,7 @@ PetscBool FootAbout(const FootCell *cell, Vector2 c, Foot *foot) {
 static PetscBool TouchPost(const Contact *contact, PetscInt item, const Foot *foot, Touch *touch) {
   const Walls *walls = &contact->walls;
   const WallPost *post = &walls->post[item];
-  const Vector2 way = Minus2(From2(foot->on.x), WallsPostAt(walls, item));
+  const Vector2 way = Minus2(From2(foot->on.x), WallsPostAt(walls, item, walls->time));
   const PetscReal distance = Size2(way);
 
   *touch = (Touch){.gap = distance - post->r - contact->diameter / 2,
@@ -109,9 +109,13 @@ static PetscBool TouchPost(const Contact *contact, PetscInt item, const Foot *fo
                    .wall = post->wall,
                    .friction = ContactWallFriction(contact, post->wall)};
   if (distance == 0) return PETSC_FALSE;
-  touch->moves = (PetscBool)(item >= walls->resting);
-  if (touch->moves) Put2(WallVelocity(walls, post->wall), touch->v);
   Put2(Over2(way, distance), touch->normal);
+  touch->moves = (PetscBool)(item >= walls->resting);
+  if (touch->moves) {
+    const Vector2 on = Along2(From2(foot->on.x), post->r - distance, From2(touch->normal));
+    PetscReal spin;
+    Put2(WallVelocity(walls, post->wall, on, &spin), touch->v);
+  }
   for (int d = 0; d < 2; d++)
     for (int c = 0; c < 2; c++)
       touch->bend[d][c] = ((d == c) - touch->normal[d] * touch->normal[c]) / distance;
@@ -127,7 +131,8 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   Foot foot = {.item = item};
   Touch touch;
 
-  if (share == 0 || !FootAbout(look->cell, WallsPostAt(&contact->walls, item), &foot) ||
+  if (share == 0 ||
+      !FootAbout(look->cell, WallsPostAt(&contact->walls, item, contact->walls.time), &foot) ||
       !TouchPost(contact, item, &foot, &touch))
     return reach;
   foot.strength = share * contact->tip;

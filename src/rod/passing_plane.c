@@ -26,8 +26,8 @@ static PetscBool Holds(const Block *block, Vector2 x) {
 enum { DEEPEST = 48 }; /* as often is a curve divided, until round-off ends it */
 
 /* The angle by which the way from a to b turns about c. */
-static PetscReal Turn(const PetscReal a[], const PetscReal b[], Vector2 c) {
-  const Vector2 o = Minus2(From2(a), c), p = Minus2(From2(b), c);
+static PetscReal Turn(Vector2 a, Vector2 b, Vector2 c) {
+  const Vector2 o = Minus2(a, c), p = Minus2(b, c);
 
   return PetscAtan2Real(Cross2(o, p), Dot2(o, p));
 }
@@ -37,7 +37,7 @@ static PetscReal CurveTurn(Bezier b, Vector2 c, int depth) {
   const Block block = BlockOf(b);
   Bezier half[2];
 
-  if (depth == DEEPEST || !Holds(&block, c)) return Turn(b[0], b[3], c);
+  if (depth == DEEPEST || !Holds(&block, c)) return Turn(From2(b[0]), From2(b[3]), c);
   BezierDivide(DIMS, b[0], half[0][0]);
   return CurveTurn(half[0], c, depth + 1) + CurveTurn(half[1], c, depth + 1);
 }
@@ -78,7 +78,7 @@ static PetscReal MeetPost(PetscInt item, PetscReal reach, void *ctx) {
   const WallPost *post = &look->contact->walls.post[item];
   const PetscReal half = look->contact->diameter / 2, rho = post->r + half,
                   deep = half > 0 ? PetscMin(half, rho / 2) : rho / 2;
-  const Vector2 at = WallsPostAt(&look->contact->walls, item);
+  const Vector2 at = WallsPostAt(&look->contact->walls, item, look->contact->walls.time);
   Foot foot;
 
   if (FootAbout(look->cell, at, &foot) && Size2(Minus2(From2(foot.on.x), at)) < rho - deep)
@@ -111,11 +111,11 @@ static void MeetMovedEdges(Looking *look) {
 
   for (PetscInt w = 0; w < walls->n && !look->passes; w++) {
     Looking seen = {.contact = look->contact, .wall = &walls->wall[w]};
-    Vector2 shift;
+    WallPose pose;
     Block block;
     if (!seen.wall->motion.any || seen.wall->kind != WALL_POLYGON) continue;
-    shift = WallShift(walls, w, walls->time);
-    for (int k = 0; k < 4; k++) Put2(Minus2(From2(look->curve[k]), shift), seen.curve[k]);
+    pose = WallPoseAt(walls, w, walls->time);
+    for (int k = 0; k < 4; k++) Put2(WallGiven(&pose, From2(look->curve[k])), seen.curve[k]);
     block = BlockOf(seen.curve);
     BlocksNear(seen.wall->near, &block, 0, MeetMovedPart, &seen);
     look->passes = seen.passes;
@@ -148,7 +148,7 @@ static PetscBool BehindMoving(const Contact *contact, PetscReal t0, Vector2 x0, 
 
   for (PetscInt w = 0; w < walls->n; w++)
     if (walls->wall[w].motion.any && walls->wall[w].kind == WALL_PATH &&
-        Behind(contact, Plus2(x0, WallsCarried(walls, w, t0)), x1))
+        Behind(contact, WallCarry(walls, w, t0, x0), x1))
       return PETSC_TRUE;
   return PETSC_FALSE;
 }
@@ -188,12 +188,38 @@ static void MarkPosts(const Walls *walls, const FootCell *before, const FootCell
   WallsPostsNear(walls, &block, 0, Mark, marked);
 }
 
-/* By how much the way of an end of a cell turns about c, as Winding() has it. */
-static PetscReal EndTurn(const Passing *cells, PetscInt k, int end, Vector2 c, Vector2 by) {
-  PetscReal before[DIMS];
+/* In how many parts of a step does an end of a cell, now at x, see a wall go by on ways that are
+   straight, but for a part of how thick a post is with the rod? */
+static PetscInt PartsOf(const Contact *contact, PetscReal t0, const WallPost *post, Vector2 x) {
+  const PetscReal thick = post->r + contact->diameter / 2,
+                  bow = WallBow(&contact->walls, post->wall, t0, x),
+                  n = PetscCeilReal(PetscSqrtReal(bow * rod_rule.passing_parts / thick));
 
-  Put2(Plus2(From2(cells->before[k].curve.x[end]), by), before);
-  return Turn(before, cells->now[k].curve.x[end], c);
+  return (PetscInt)PetscMax(1, PetscMin(rod_rule.passing_most, n));
+}
+
+/* By how much the way of an end of a cell turns about a post, as that sees it. */
+static PetscReal EndTurn(const Contact *contact, const Passing *cells, PetscInt k, int end,
+                         PetscInt post) {
+  const Walls *walls = &contact->walls;
+  const Vector2 from = From2(cells->before[k].curve.x[end]), to = From2(cells->now[k].curve.x[end]),
+                c = WallsPostAt(walls, post, walls->time);
+  const PetscInt wall = walls->post[post].wall;
+  PetscReal sum = 0;
+  Vector2 before;
+  PetscInt n;
+
+  if (post < walls->resting) return Turn(from, to, c);
+  n = PartsOf(contact, cells->t0, &walls->post[post], to);
+  before = WallCarry(walls, wall, cells->t0, from);
+  for (PetscInt i = 1; i < n; i++) {
+    const PetscReal part = (PetscReal)i / n;
+    const Vector2 on_the_way = WallCarry(walls, wall, cells->t0 + part * (walls->time - cells->t0),
+                                         Along2(from, part, Minus2(to, from)));
+    sum += Turn(before, on_the_way, c);
+    before = on_the_way;
+  }
+  return sum + Turn(before, to, c);
 }
 
 /*
@@ -204,31 +230,25 @@ static PetscReal EndTurn(const Passing *cells, PetscInt k, int end, Vector2 c, V
     turns of the rod before + the way of the tip - the rod now - the way of its beginning = 2 pi, or
     -2 pi
 
-  so it does not matter which of its material is where. Of a post that moves, as it sees the rod: by
-  is how far it has been carried since then, c where it is now.
+  so it does not matter which of its material is where. Of a post that moves, all is as it sees the
+  rod.
 */
-static PetscReal Winding(const Passing *cells, Vector2 c, Vector2 by) {
-  const Vector2 was = Minus2(c, by);
+static PetscReal Winding(const Contact *contact, const Passing *cells, PetscInt post) {
+  const Walls *walls = &contact->walls;
+  const Vector2 was = WallsPostAt(walls, post, cells->t0),
+                is = WallsPostAt(walls, post, walls->time);
   PetscReal sum = 0;
 
   for (PetscInt k = 0; k < cells->n; k++)
     for (int now = 0; now < 2; now++) {
       Bezier b;
       CurveOf(now ? &cells->now[k] : &cells->before[k], b);
-      sum += (now ? -1 : 1) * CurveTurn(b, now ? c : was, 0);
+      sum += (now ? -1 : 1) * CurveTurn(b, now ? is : was, 0);
     }
-  if (cells->n && cells->now[0].first) sum -= EndTurn(cells, 0, 0, c, by);
-  if (cells->n && cells->now[cells->n - 1].last) sum += EndTurn(cells, cells->n - 1, 1, c, by);
+  if (cells->n && cells->now[0].first) sum -= EndTurn(contact, cells, 0, 0, post);
+  if (cells->n && cells->now[cells->n - 1].last)
+    sum += EndTurn(contact, cells, cells->n - 1, 1, post);
   return sum;
-}
-
-/* ... about a post. */
-static PetscReal PostWinding(const Walls *walls, const Passing *cells, PetscInt post) {
-  const Vector2 rests = {0, 0}, by = post < walls->resting
-                                         ? rests
-                                         : WallsCarried(walls, walls->post[post].wall, cells->t0);
-
-  return Winding(cells, WallsPostAt(walls, post), by);
 }
 
 /* Collective. */
@@ -249,7 +269,7 @@ static PetscErrorCode Sweeps(Rod rod, const Passing *cells, PetscBool *sweeps) {
   PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, marked, count, MPI_CHAR, MPI_MAX, rod->scene->comm));
   PetscCall(PetscMalloc1(walls->posts, &sum));
   for (PetscInt k = 0; k < walls->posts; k++)
-    if (marked[k]) sum[n++] = PostWinding(walls, cells, k);
+    if (marked[k]) sum[n++] = Winding(&rod->scene->contact, cells, k);
   PetscCall(PetscMPIIntCast(n, &count));
   if (n)
     PetscCallMPI(MPI_Allreduce(MPI_IN_PLACE, sum, count, MPIU_REAL, MPI_SUM, rod->scene->comm));

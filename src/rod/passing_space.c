@@ -13,7 +13,7 @@ typedef PetscReal Bezier[4][DIMS];
 typedef enum { CLEAR, NEAR, BEHIND } Verdict;
 
 /* A look at a cell: what counts as behind, and how finely the curve is divided; of what is swept,
-   by which surface that moves, or by all that rest. */
+   by which surface that moves (behind these: which wall of the plane), or by all that rest. */
 typedef struct {
   const Contact *contact;
   PetscReal deep, fine;
@@ -74,6 +74,25 @@ static PetscBool Sweeps(const Look *look, PetscInt which) {
   return (PetscBool)!look->contact->surfaces.surface[which].motion.any;
 }
 
+/* Are walls of the plane? */
+static PetscBool SweepsFlat(const Look *look) {
+  return (PetscBool)(look->moving == RESTING || look->moving >= look->contact->surfaces.n);
+}
+
+/* ... the gap to those. */
+static PetscReal FlatGap(const Look *look, const PetscReal x[3]) {
+  const Walls *walls = &look->contact->walls;
+  const PetscReal half = look->contact->diameter / 2;
+  const PetscInt wall = look->moving - look->contact->surfaces.n;
+  PetscReal y[3];
+  WallPose pose;
+
+  ContactToWalls(look->contact, x, y);
+  if (look->moving == RESTING) return WallsGapAtRest(walls, y, half);
+  pose = WallPoseAt(walls, wall, walls->time);
+  return WallGap(walls, wall, &pose, y, half);
+}
+
 /* How deep in a thing, which with the rod is so thick, a place is on its way through: half of that,
    for on its way round it is a little deep in it, too; of what is thin beside the depth that counts
    as behind, as of a thread that meets a wire, less than to its middle, or nothing ever would be.
@@ -106,10 +125,9 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
     verdict = NEAR;
     *fine = PetscMin(*fine, look->fine);
   }
-  if (contact->walls.smallest > 0 && look->moving == RESTING) {
+  if (contact->walls.smallest > 0 && SweepsFlat(look)) {
     /* the other side of the plane's walls is seen by how narrow they are */
-    const PetscReal deep = DeepOnTheWay(look, contact->walls.smallest),
-                    gap = ContactGap(3, contact, x, r);
+    const PetscReal deep = DeepOnTheWay(look, contact->walls.smallest), gap = FlatGap(look, x);
     if (gap < -deep) return BEHIND;
     if (gap - r < -deep) {
       verdict = NEAR;
@@ -151,6 +169,12 @@ static PetscBool Moves(Bezier b0, Bezier b1) {
   return PETSC_FALSE;
 }
 
+/* How what is looked at moves. */
+static const SurfaceMotion *MotionOf(const Contact *contact, PetscInt moving) {
+  return moving < contact->surfaces.n ? &contact->surfaces.surface[moving].motion
+                                      : &contact->walls.wall[moving - contact->surfaces.n].motion;
+}
+
 /* A curve of an earlier time as a surface that moves would have it now: it has been carried along
    with the surface since. */
 static void Carry(const Contact *contact, PetscInt which, PetscReal from, Bezier b,
@@ -159,7 +183,7 @@ static void Carry(const Contact *contact, PetscInt which, PetscReal from, Bezier
 
   for (int k = 0; k < 4; k++) {
     ContactToLab(contact, b[k], y);
-    SurfacesCarry(&contact->surfaces, which, from, y, z);
+    MotionCarry(MotionOf(contact, which), from, contact->time, y, z);
     for (int d = 0; d < 3; d++) z[d] -= contact->place[d];
     TurnBack3(contact->lab, z, carried[k]);
   }
@@ -169,13 +193,16 @@ static void Carry(const Contact *contact, PetscInt which, PetscReal from, Bezier
    a part of how deep it would be on its way through? */
 static PetscInt PartsOf(const Look *look, PetscReal since, Bezier b) {
   const Contact *contact = look->contact;
-  const Surfaces *surfaces = &contact->surfaces;
-  const PetscReal core = surfaces->surface[look->moving].core,
-                  fine = DeepOnTheWay(look, core + contact->diameter / 2) / rod_rule.passing_parts;
+  const PetscReal half = contact->diameter / 2,
+                  thick = look->moving < contact->surfaces.n
+                              ? contact->surfaces.surface[look->moving].core + half
+                              : contact->walls.smallest,
+                  fine = DeepOnTheWay(look, thick) / rod_rule.passing_parts;
   PetscReal y[3], n;
 
   ContactToLab(contact, b[0], y);
-  n = PetscCeilReal(PetscSqrtReal(SurfacesBow(surfaces, look->moving, since, y) / fine));
+  n = PetscCeilReal(
+      PetscSqrtReal(MotionBow(MotionOf(contact, look->moving), since, contact->time, y) / fine));
   return (PetscInt)PetscMax(1, PetscMin(rod_rule.passing_most, n));
 }
 
@@ -183,7 +210,7 @@ static PetscInt PartsOf(const Look *look, PetscReal since, Bezier b) {
  */
 static void CarryOnTheWay(const Look *look, PetscReal since, PetscReal part, Bezier b0, Bezier b1,
                           Bezier carried) {
-  const PetscReal now = look->contact->surfaces.time;
+  const PetscReal now = look->contact->time;
   Bezier b;
 
   for (int k = 0; k < 4; k++)
@@ -205,18 +232,24 @@ static PetscBool IsSwept(const Look *look, PetscReal since, Bezier b0, Bezier b1
   return (PetscBool)(Moves(there[i % 2], b1) && SweepIsBehind(look, there[i % 2], b1, 0));
 }
 
+/* Does something move, and has it another side? */
+static PetscBool MaySweep(const Contact *contact, PetscInt moving) {
+  const PetscInt wall = moving - contact->surfaces.n;
+
+  if (!MotionOf(contact, moving)->any) return PETSC_FALSE;
+  if (wall < 0) return (PetscBool)(contact->surfaces.surface[moving].core < PETSC_MAX_REAL);
+  return (PetscBool)(contact->walls.wall[wall].kind != WALL_PLANE && contact->walls.smallest > 0);
+}
+
 /* Has a cell swept anything since a time, or has anything that moves swept across it? */
 static PetscBool CellIsBehind(const Look *look, PetscReal since, Bezier b0, Bezier b1) {
-  const Surfaces *surfaces = &look->contact->surfaces;
+  const Contact *contact = look->contact;
   Look one = *look;
 
   one.moving = RESTING;
   if (Moves(b0, b1) && SweepIsBehind(&one, b0, b1, 0)) return PETSC_TRUE;
-  for (one.moving = 0; one.moving < surfaces->n; one.moving++) {
-    const Surface *surface = &surfaces->surface[one.moving];
-    if (!surface->motion.any || surface->core == PETSC_MAX_REAL) continue;
-    if (IsSwept(&one, since, b0, b1)) return PETSC_TRUE;
-  }
+  for (one.moving = 0; one.moving < contact->surfaces.n + contact->walls.n; one.moving++)
+    if (MaySweep(contact, one.moving) && IsSwept(&one, since, b0, b1)) return PETSC_TRUE;
   return PETSC_FALSE;
 }
 

@@ -215,11 +215,7 @@ static PetscErrorCode ChangeWallFriction(Scene scene, const Asked *asked) {
 }
 
 static const char *RefusesWalls(Scene scene, PetscReal t) {
-  if (scene->contact.surfaces.n || (scene->contact.walls.n && !scene->space.rod)) return NULL;
-  return scene->contact.walls.n
-             ? "beside a rod in space walls of the plane stand still; say them as "
-               "surfaces in space (docs/live.md)"
-             : "there is no wall";
+  return scene->contact.surfaces.n || scene->contact.walls.n ? NULL : "there is no wall";
 }
 
 /* The displacement that stands behind word k; x3 may be left out. */
@@ -238,13 +234,10 @@ static PetscErrorCode MoveWall(Scene scene, const Asked *asked, PetscReal by, Pe
 
   PetscFunctionBegin;
   PetscCall(WallOf(scene, asked, &wall, &surface));
-  UserCheck(wall < 0 || !scene->space.rod, scene->comm,
-            "%s: beside a rod in space a wall of the plane stands still; say it as a surface in "
-            "space (docs/live.md)",
-            asked->name);
   PetscCall(Shift(scene, asked, k, x));
   UserCheck(wall < 0 || x[2] == 0, scene->comm,
-            "%s: leads a wall out of the plane, in which this run is", asked->name);
+            "%s: leads a wall of the plane, which stays in it, along x3; let that be 0",
+            asked->name);
   if (asked->trial) PetscFunctionReturn(0);
   if (wall >= 0) {
     PetscCall(WallsLeadTo(&scene->contact.walls, wall, asked->t, by, x));
@@ -267,6 +260,26 @@ static PetscErrorCode ChangeWallTo(Scene scene, const Asked *asked) {
 static PetscErrorCode ChangeWallAt(Scene scene, const Asked *asked) {
   PetscFunctionBegin;
   PetscCall(MoveWall(scene, asked, asked->t, 1));
+  PetscFunctionReturn(0);
+}
+
+static PetscErrorCode ChangeWallTurn(Scene scene, const Asked *asked) {
+  Surfaces *surfaces = &scene->contact.surfaces;
+  PetscReal by, angle, middle[3];
+  PetscInt wall, surface;
+
+  PetscFunctionBegin;
+  PetscCall(WallOf(scene, asked, &wall, &surface));
+  PetscCall(By(scene, asked, 1, &by));
+  PetscCall(Number(asked, 2, UNIT_ANGLE, &angle));
+  if (asked->trial) PetscFunctionReturn(0);
+  if (wall >= 0) {
+    PetscCall(WallsTurnTo(&scene->contact.walls, wall, asked->t, by, angle));
+    PetscFunctionReturn(0);
+  }
+  SurfaceMiddle(&surfaces->surface[surface], middle);
+  PetscCall(MotionTurnTo(&surfaces->surface[surface].motion, asked->t, by, angle, middle));
+  PetscCall(SurfacesIndexAnew(surfaces));
   PetscFunctionReturn(0);
 }
 
@@ -373,6 +386,7 @@ static const Change changes[] = {
     {"-friction_factor", "FACTOR", RefusesFactor, ChangeFactor},
     {"-wall_friction", "LINE MU", RefusesWallFriction, ChangeWallFriction},
     {"-wall_to", "LINE T X1 X2 X3", RefusesWalls, ChangeWallTo},
+    {"-wall_turn_to", "LINE T ANGLE", RefusesWalls, ChangeWallTurn},
     {"-wall_at", "LINE X1 X2 X3", RefusesWalls, ChangeWallAt},
     {"-curvature_to", "T K", RefusesBend, ChangeBend},
     {"-curvature_2_to", "T K", RefusesBend, ChangeBend2},
@@ -488,8 +502,9 @@ PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscIn
   Asked asked = {.name = change->name, .t = t};
   const Walls *walls = &scene->contact.walls;
   const PetscReal half = scene->contact.diameter / 2;
-  PetscReal lab[3], shift[3], gap;
+  PetscReal lab[3], shift[3], y[3], gap;
   PetscInt wall, surface;
+  WallPose pose;
   char *text;
 
   PetscFunctionBegin;
@@ -498,13 +513,34 @@ PetscErrorCode SceneHasRoom(Scene scene, const char *value, PetscReal t, PetscIn
   PetscCall(Shift(scene, &asked, 1, shift));
   PetscCall(PetscFree(text));
   *has = PETSC_TRUE;
+  if (wall >= 0) pose = WallPoseShifted(walls, wall, shift);
   for (PetscInt i = 0; i < n && *has; i++) {
     ScenePlaceToLab(scene, x[i], lab);
+    if (scene->space.rod) ContactToWalls(&scene->contact, x[i], y);
     gap = wall >= 0
-              ? WallGapShifted(walls, wall, WallsDisplacement(walls, shift), x[i], half)
+              ? WallGap(walls, wall, &pose, scene->space.rod ? y : x[i], half)
               : SurfaceShifted(&scene->contact.surfaces.surface[surface], t, shift, lab) - half;
     *has = (PetscBool)(gap >= 0);
   }
+  PetscFunctionReturn(0);
+}
+
+/* SceneLampHasRoom - ... where -tropism_source, which the options have by now, puts the lamp? Of a
+   rod without a diameter, as near as a thousandth of its length. */
+PetscErrorCode SceneLampHasRoom(Scene scene, const char *value, PetscReal t, PetscInt n,
+                                const PetscReal x[][3], PetscBool *has) {
+  const PetscReal part = 1e-3;
+  Tropism trial = scene->tropism;
+  PetscReal length;
+
+  PetscFunctionBegin;
+  PetscCall(TropismChange(&trial, "-tropism_source", (const PetscReal(*)[3])scene->space.lab,
+                          scene->space.place, scene->space.rod));
+  PetscCall(GrowthLength(scene->growth, t, &length, NULL));
+  *has = PETSC_TRUE;
+  for (PetscInt i = 0; i + 1 < n && *has; i++)
+    *has = (PetscBool)(TropismNearLamp(&trial, x[i], x[i + 1]) >
+                       PetscMax(scene->contact.diameter / 2, part * length));
   PetscFunctionReturn(0);
 }
 

@@ -130,17 +130,19 @@ static PetscErrorCode IsDone(Changes self, const ChangeRow *row) {
 }
 
 /* ChangesTake - those that were in force in the run of a result file are so again, first of all.
-   Collective on OptionsComm(). */
-PetscErrorCode ChangesTake(const char *file, Changes *changes) {
+   Collective on OptionsComm().
+
+   name  that the file has for them */
+PetscErrorCode ChangesTake(const char *file, const char *name, Changes *changes) {
   struct _Changes taken = {0};
   PetscErrorCode error;
   PetscBool has;
   char *text;
 
   PetscFunctionBegin;
-  PetscCall(HdfHas(file, "changes", &has));
+  PetscCall(HdfHas(file, name, &has));
   if (!has) PetscFunctionReturn(0);
-  PetscCall(HdfReadText("-restart", file, "changes", &text));
+  PetscCall(HdfReadText("-restart", file, name, &text));
   error = Lines(file, text, &taken);
   OptionsAtLine(0);
   PetscCall(PetscFree(text));

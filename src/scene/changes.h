@@ -19,7 +19,7 @@ struct _Changes {
 };
 
 PetscErrorCode ChangesRead(Changes *changes);
-PetscErrorCode ChangesTake(const char *file, Changes *changes);
+PetscErrorCode ChangesTake(const char *file, const char *name, Changes *changes);
 PetscErrorCode ChangesDo(Changes *changes, PetscReal t, const char *what, const char *value);
 PetscReal ChangesNext(Changes changes);
 PetscErrorCode ChangesText(Changes changes, char **text);

@@ -14,7 +14,7 @@ static const OptionRow rows[] = {
     ROW_WORD("-rod_grading", "growth", "uniform,growth", 0,
              "node placement: equidistant in s, or denser where the rod grows"),
     ROW_REAL("-ts_max_time", "40", 1e-12, 1e9, UNIT_TIME, SHARED, "end of the run"),
-    ROW_TEXT("-change_file", INPUT_FILE | OF_SCENE,
+    ROW_TEXT("-change_file", INPUT_FILE,
              "text file of what changes in the run, one a line: the time, what, and its new value, "
              "as in 2.5 tip_force 0.2 (docs/live.md)")};
 const OptionGroup scene_options = OPTION_GROUP_OF_ROD("Rod and clamp", rows);

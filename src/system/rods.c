@@ -430,6 +430,8 @@ static PetscErrorCode MakeReadings(Rods self) {
     for (PetscInt i = 0; i < rod->n; i++)
       PetscCall(PetscOptionsSetValue(rod->options, rod->said[i].name, rod->said[i].value));
     PetscCall(ReadingCreate(PETSC_COMM_SELF, rod->options, NULL, &rod->reading));
+    for (int law = 0; law < OWN_LAWS; law++)
+      PetscCall(ReadingSetLaw(rod->reading, (OwnKind)law, OptionsLaw((OwnKind)law)));
   }
   PetscFunctionReturn(0);
 }

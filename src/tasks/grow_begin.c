@@ -36,7 +36,6 @@ static PetscErrorCode ChooseModel(Grow *self) {
   PetscCall(OptionWord("-rod_model", &self->model, NULL));
   space->rod = (PetscBool)(self->model == SPACE ||
                            (space->why && (self->model == AUTO || self->model == LINEAR)));
-  if (space->rod) PetscCall(WallsRefuseSpace(&self->scene->contact.walls));
   PetscCall(OptionGiven("-accuracy", &asked));
   /* their errors are measured; linear rods creep behind a growth zone under friction that is next
      to exact, by as much as they are bent, and in short waves that the steps do not see */
@@ -231,7 +230,7 @@ PetscErrorCode GrowCreate(Grow *self, const char *output, const char *restart) {
       PetscCall(GrowAddLeg(self, m));
   PetscCall(CrawlAllowed(GrowOwnLeg(self)->ts, &self->crawl));
   PetscCall(RodHoldTip(GrowOwnLeg(self)->rod));
-  if (begun) PetscCall(RestartChange(restart, self->scene));
+  if (begun) PetscCall(RestartChange(restart, NULL, self->scene));
   if (begun && ChangedBefore(self) && self->model == AUTO) self->can[LINEAR] = PETSC_FALSE;
   for (PetscInt m = 0; m < MODELS && begun; m++)
     if (self->leg[m].ts) PetscCall(LegEndAtTurns(&self->leg[m]));

@@ -11,23 +11,28 @@ static PetscErrorCode ValueOf(const char *name, char value[PETSC_MAX_PATH_LEN]) 
   PetscFunctionReturn(0);
 }
 
-/* Refuses a wall that would be put where the rod is. */
+/* Refuses a wall, or a lamp, that would be put where the rod is. */
 static PetscErrorCode CheckRoom(Grow *self, const char *name, const char *value, PetscReal t) {
   const PetscInt n = self->scene->mesh.cells + 1;
+  const PetscBool lamp = (PetscBool)!strcmp(name, "-tropism_source");
   const Node *nodes;
   PetscReal(*x)[3];
   PetscBool room;
 
   PetscFunctionBegin;
-  if (strcmp(name, "-wall_at") != 0) PetscFunctionReturn(0);
+  if (!lamp && strcmp(name, "-wall_at") != 0) PetscFunctionReturn(0);
   PetscCall(ObserverGather(self->observer, self->now->rod, t,
                            self->seen.t > 0 ? self->now->U : NULL, NULL, &nodes));
   PetscCall(PetscMalloc1(n, &x));
   for (PetscInt i = 0; nodes && i < n; i++)
     for (int d = 0; d < 3; d++) x[i][d] = nodes[i].x[d];
-  PetscCall(SceneHasRoom(self->scene, value, t, nodes ? n : 0, (const PetscReal(*)[3])x, &room));
+  PetscCall((lamp ? SceneLampHasRoom : SceneHasRoom)(self->scene, value, t, nodes ? n : 0,
+                                                     (const PetscReal(*)[3])x, &room));
   PetscCall(PetscFree(x));
   PetscCallMPI(MPI_Bcast(&room, 1, MPIU_BOOL, 0, self->scene->comm));
+  UserCheck(room || !lamp, self->scene->comm,
+            "-tropism_source %s: the rod is there, and has no direction to a lamp; put it beside",
+            value);
   UserCheck(room, self->scene->comm, "-wall_at %s: the rod is there", value);
   PetscFunctionReturn(0);
 }
@@ -45,19 +50,46 @@ static PetscErrorCode Check(Grow *self, const char *name) {
   PetscFunctionReturn(0);
 }
 
+/* GrowMayChange - refuses what cannot be changed at t; the options have the value. Collective. */
+PetscErrorCode GrowMayChange(Grow *self, const char *name, const char *value, PetscReal t) {
+  PetscFunctionBegin;
+  PetscCall(Check(self, name));
+  PetscCall(SceneMayChange(self->scene, name, value, t));
+  PetscCall(CheckRoom(self, name, value, t));
+  PetscFunctionReturn(0);
+}
+
 /* In force from t on; the options have the value. */
 static PetscErrorCode Apply(Grow *self, const char *name, const char *value, PetscReal t) {
   const PetscBool acts = (PetscBool)(strcmp(name, "-ts_max_time") != 0 || self->waits);
   const PetscReal end = self->scene->end_time;
 
   PetscFunctionBegin;
-  PetscCall(SceneMayChange(self->scene, name, value, t));
-  PetscCall(CheckRoom(self, name, value, t));
+  PetscCall(GrowMayChange(self, name, value, t));
   PetscCall(GrowSettle(self, t));
   PetscCall(SceneChange(self->scene, name, value, t));
   PetscCall(EstimateSceneChanged(self->estimate));
   PetscCall(GrowChange(self, acts));
   if (self->scene->end_time > end) self->over = PETSC_FALSE;
+  PetscFunctionReturn(0);
+}
+
+/* GrowPutOption - an option has a value; before: what it had. Words that are no
+   option have none. */
+PetscErrorCode GrowPutOption(const char *name, const char *value, char before[PETSC_MAX_PATH_LEN]) {
+  PetscFunctionBegin;
+  if (!SceneChangedOption(name)) PetscFunctionReturn(0);
+  PetscCall(ValueOf(name, before));
+  PetscCall(PetscOptionsSetValue(NULL, name, value));
+  PetscFunctionReturn(0);
+}
+
+/* GrowPutBack - options are those with which the run began: from these, and what was changed,
+   another one gets to where it is. */
+PetscErrorCode GrowPutBack(const char *name, const char *before, PetscBool failed) {
+  PetscFunctionBegin;
+  if (SceneChangedOption(name) && (failed || strcmp(name, "-ts_max_time") != 0))
+    PetscCall(OptionPut(name, before));
   PetscFunctionReturn(0);
 }
 
@@ -69,18 +101,13 @@ static PetscErrorCode Apply(Grow *self, const char *name, const char *value, Pet
   t     the present time: that of the latest step, or one within the step that waits
 */
 PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t) {
-  const OptionRow *row = SceneChangedOption(name);
   char before[PETSC_MAX_PATH_LEN];
   PetscErrorCode error;
 
   PetscFunctionBegin;
-  PetscCall(Check(self, name));
-  if (row) PetscCall(ValueOf(name, before));
-  if (row) PetscCall(PetscOptionsSetValue(NULL, name, value));
+  PetscCall(GrowPutOption(name, value, before));
   error = Apply(self, name, value, t);
-  /* options are those with which the run began: from these, and what was changed, another one gets
-     to where it is */
-  if (row && (error || strcmp(name, "-ts_max_time") != 0)) PetscCall(OptionPut(name, before));
+  PetscCall(GrowPutBack(name, before, (PetscBool)(error != 0)));
   PetscCall(error);
   PetscFunctionReturn(0);
 }

@@ -115,6 +115,9 @@ PetscErrorCode GrowEnd(Grow *self, PetscBool finished);
 PetscErrorCode GrowFinish(Grow *self, PetscBool *again);
 
 /* grow_changes.c */
+PetscErrorCode GrowMayChange(Grow *self, const char *name, const char *value, PetscReal t);
+PetscErrorCode GrowPutOption(const char *name, const char *value, char before[PETSC_MAX_PATH_LEN]);
+PetscErrorCode GrowPutBack(const char *name, const char *before, PetscBool failed);
 PetscErrorCode GrowApply(Grow *self, const char *name, const char *value, PetscReal t);
 PetscErrorCode GrowStepOn(Grow *self, PetscReal until);
 PetscErrorCode GrowTellNotReached(Grow *self);

@@ -40,6 +40,11 @@ static PetscErrorCode TakeStep(Run *self, PetscReal t) {
   PetscFunctionReturn(0);
 }
 
+/* Is one step taken after the other, for between them something may be changed? */
+static PetscBool ByTurns(const Run *self) {
+  return (PetscBool)(self->by_steps || RunIsChanged(self));
+}
+
 /* RunAfterStep - what the stepper calls behind each of its steps: looks at it, unless it is to
    wait; as GrowAfterStep() has it. */
 PetscErrorCode RunAfterStep(TS ts) {
@@ -63,11 +68,11 @@ PetscErrorCode RunAfterStep(TS ts) {
                               : TS_CONVERGED_ITERATING;
     PetscCall(TSSetConvergedReason(ts, reason));
   }
-  self->waits = (PetscBool)(self->by_steps && t > self->until * (1 + grow_rule.same_time));
+  self->waits = (PetscBool)(ByTurns(self) && t > self->until * (1 + grow_rule.same_time));
   self->reason = reason;
   if (!self->waits) PetscCall(TakeStep(self, t));
-  if (self->by_steps) PetscCall(TSGetConvergedReason(ts, &reason));
-  if (self->waits || (self->by_steps && !reason))
+  if (ByTurns(self)) PetscCall(TSGetConvergedReason(ts, &reason));
+  if (self->waits || (ByTurns(self) && !reason))
     PetscCall(TSSetConvergedReason(ts, TS_CONVERGED_USER)); /* the host has its turn */
   PetscFunctionReturn(0);
 }
@@ -89,11 +94,13 @@ PetscErrorCode RunAfterSolve(Run *self) {
 
 static PetscErrorCode Follow(Run *self) {
   PetscFunctionBegin;
+  while (!self->over && RunIsChanged(self)) PetscCall(RunStepOn(self, PETSC_MAX_REAL));
   while (!self->over) {
     PetscCall(TSSolve(self->leg.ts, self->leg.U));
     PetscCall(RunAfterSolve(self));
   }
   PetscCall(RunProgress(self, PETSC_TRUE));
+  PetscCall(RunTellNotReached(self));
   PetscFunctionReturn(0);
 }
 

@@ -10,8 +10,6 @@ static PetscErrorCode CheckRod(const Scene scene) {
   UserCheck(!scene->tropism.any, OptionsComm(),
             "-tropism_ options and -growth_ironing: several rods do not know of a natural "
             "curvature that the material learns in this version; take them out");
-  UserCheck(!scene->changes, OptionsComm(),
-            "-change_file: several rods are not changed in a run in this version; take it out");
   PetscFunctionReturn(0);
 }
 
@@ -204,6 +202,7 @@ PetscErrorCode RunBegin(Run *self) {
   PetscCall(JointsRead(self->rods, &self->joints));
   PetscCall(PetscCalloc3(self->n, &self->scene, self->n, &self->each, self->n, &self->output));
   PetscCall(MakeLeg(self));
+  PetscCall(RunTakeChanges(self));
   self->leg.owner = self;
   self->enters = PETSC_TRUE;
   self->U = self->leg.U;

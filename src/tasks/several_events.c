@@ -58,7 +58,10 @@ PetscErrorCode RunLocateEvent(Run *self, PetscReal *t) {
   if (!Watches(self)) PetscFunctionReturn(0);
   PetscCall(LookForEvent(self, end, self->leg.U, &event, &which));
   if (which < 0) PetscFunctionReturn(0);
-  for (int i = 0; i < 2; i++) PetscCall(VecDuplicate(self->leg.U, &self->here[i]));
+  for (int i = 0; i < 2; i++) {
+    PetscCall(VecDestroy(&self->here[i]));
+    PetscCall(VecDuplicate(self->leg.U, &self->here[i]));
+  }
   while (which >= 0) { /* the latest that was found, until none is before it */
     self->stopped_by = which;
     self->each[which].event = event;

@@ -48,6 +48,7 @@ PetscErrorCode RunKeep(void *ctx, HdfFile file) {
   }
   PetscCall(KeepEach(self, own, errors));
   PetscCall(RestartKeep(&self->leg, self->t, self->leg.U, &state, points));
+  if (self->each[0].kept.changed) state.points = state.order = 1; /* steps begin anew */
   PetscCall(TSGetSNESIterations(self->leg.ts, &iterations));
   PetscCall(TSGetStepRejections(self->leg.ts, &rejected));
   state.counted[0] = self->counted[0] + iterations;

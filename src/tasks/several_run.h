@@ -25,7 +25,7 @@ typedef struct {
   Output *output;
   Several file;
   Vec U, U_t;  /* the state that was come to, and its rate: those of the leg, or of an event */
-  Vec here[2]; /* of an event within a step */
+  Vec here[2]; /* ... or of a change, within a step */
   PetscInt stopped_by; /* the rod whose event ends the run; -1: none has */
   const char *restart; /* the file to go on from; empty: none */
   RestartState from;   /* of all, there, */
@@ -67,6 +67,16 @@ PetscErrorCode RunEndHere(Run *self);
 /* several_begin.c */
 PetscErrorCode RunBegin(Run *self);
 PetscErrorCode RunEnd(Run *self);
+
+/* several_changes.c */
+PetscErrorCode RunApply(Run *self, PetscInt which, const char *name, const char *value,
+                        PetscReal t);
+PetscErrorCode RunRecord(Run *self, PetscInt which, const char *name, const char *value,
+                         PetscReal t);
+PetscBool RunIsChanged(const Run *self);
+PetscErrorCode RunStepOn(Run *self, PetscReal until);
+PetscErrorCode RunTellNotReached(Run *self);
+PetscErrorCode RunTakeChanges(Run *self);
 
 /* several_accuracy.c */
 PetscErrorCode RunAccuracy(Run *self, PetscBool touches);

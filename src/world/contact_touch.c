@@ -53,22 +53,31 @@ void ContactToWalls(const Contact *self, const PetscReal x[3], PetscReal y[3]) {
 static const PetscReal part_at_wall = 1e-6, part_of_stand_off = 0.01;
 
 /* The velocity of a wall that moves at v and turns at spin where it touches, x - d n, and
-     dv_w = spin x (dx - n (n.dx) - d H dx). */
-static void Moves(const Contact *self, PetscInt which, const PetscReal y[3],
-                  const SurfacePoint *point, Touch *t) {
-  PetscReal foot[3], v[3], spin[3], turning[3];
+     dv_w = spin x (dx - n (n.dx) - d H dx);
+   frame: from the clamp's frame to that of v and spin. */
+static void Moves(const PetscReal frame[3][3], const PetscReal v[3], const PetscReal spin[3],
+                  PetscReal distance, Touch *t) {
+  PetscReal turning[3];
 
-  for (int d = 0; d < 3; d++) foot[d] = y[d] - point->distance * point->normal[d];
-  SurfacesVelocity(&self->surfaces, which, foot, v, spin);
-  TurnBack3(self->lab, v, t->v);
-  TurnBack3(self->lab, spin, turning);
+  TurnBack3(frame, v, t->v);
+  TurnBack3(frame, spin, turning);
   for (int c = 0; c < 3; c++) {
     PetscReal way[3], by[3];
     for (int d = 0; d < 3; d++)
-      way[d] = (c == d) - t->normal[d] * t->normal[c] - point->distance * t->bend[d][c];
+      way[d] = (c == d) - t->normal[d] * t->normal[c] - distance * t->bend[d][c];
     Cross3(turning, way, by);
     for (int d = 0; d < 3; d++) t->v_x[d][c] = by[d];
   }
+}
+
+/* ... of a surface, seen from the place y of the laboratory. */
+static void SurfaceMoves(const Contact *self, PetscInt which, const PetscReal y[3],
+                         const SurfacePoint *point, Touch *t) {
+  PetscReal foot[3], v[3], spin[3];
+
+  for (int d = 0; d < 3; d++) foot[d] = y[d] - point->distance * point->normal[d];
+  MotionVelocityAt(&self->surfaces.surface[which].motion, self->surfaces.time, foot, v, spin);
+  Moves(self->lab, v, spin, point->distance, t);
 }
 
 /* What a surface is to the rod, as it looks from the place y of the laboratory. */
@@ -91,7 +100,7 @@ static void TouchOf(const Contact *self, PetscInt which, const PetscReal y[3],
     Column3(part[0], 3, c, column);
     for (int d = 0; d < 3; d++) t->bend[d][c] = ColumnDot3(self->lab[0], 3, d, column);
   }
-  if (t->moves) Moves(self, which, y, point, t);
+  if (t->moves) SurfaceMoves(self, which, y, point, t);
 }
 
 static PetscInt TouchSurfaces(const Contact *self, const PetscReal x[3], Touch touch[]) {
@@ -105,20 +114,26 @@ static PetscInt TouchSurfaces(const Contact *self, const PetscReal x[3], Touch t
   return n;
 }
 
-/* A wall of the plane, which stands upright, of this normal and bend: dn = bend t (t.dx), t across
-   n and x3. */
-static void TouchWall(const Contact *self, PetscInt wall, Vector2 n, PetscReal bend, Touch *touch) {
-  const PetscReal normal[3] = {n.x, n.y, 0}, across[3] = {-n.y, n.x, 0};
+/* A wall of the plane, which stands upright: dn = bend t (t.dx), t across n and x3. */
+static void TouchWall(const Contact *self, const WallTouch *flat, Touch *touch) {
+  const Wall *wall = &self->walls.wall[flat->wall];
+  const Vector2 n = flat->normal;
+  const PetscReal normal[3] = {n.x, n.y, 0}, across[3] = {-n.y, n.x, 0},
+                  v[3] = {flat->v.x, flat->v.y, 0}, spin[3] = {0, 0, flat->spin};
   PetscReal t[3];
 
-  touch->friction = ContactWallFriction(self, wall);
-  touch->wall = self->surfaces.n + wall;
+  touch->gap = flat->gap;
+  touch->again = flat->again;
+  touch->friction = ContactWallFriction(self, flat->wall);
+  touch->wall = self->surfaces.n + flat->wall;
   touch->steep = 1;
-  touch->moves = PETSC_FALSE;
+  touch->moves = wall->motion.any;
   TurnBack3(self->upright, normal, touch->normal);
   TurnBack3(self->upright, across, t);
   for (int d = 0; d < 3; d++)
-    for (int c = 0; c < 3; c++) touch->bend[d][c] = bend * t[d] * t[c];
+    for (int c = 0; c < 3; c++) touch->bend[d][c] = flat->bend * t[d] * t[c];
+  if (touch->moves)
+    Moves(self->upright, v, spin, flat->gap + self->diameter / 2 - wall->off, touch);
 }
 
 static PetscInt TouchUpright(const Contact *self, const PetscReal x[3], Touch touch[]) {
@@ -128,11 +143,7 @@ static PetscInt TouchUpright(const Contact *self, const PetscReal x[3], Touch to
 
   ToWalls(self, x, y);
   n = WallsTouch(&self->walls, y, self->diameter / 2, self->smooth, flat);
-  for (PetscInt k = 0; k < n; k++) {
-    touch[k].gap = flat[k].gap;
-    touch[k].again = flat[k].again;
-    TouchWall(self, flat[k].wall, flat[k].normal, flat[k].bend, &touch[k]);
-  }
+  for (PetscInt k = 0; k < n; k++) TouchWall(self, &flat[k], &touch[k]);
   return n;
 }
 
@@ -254,20 +265,28 @@ void ContactRidgesNear(const Contact *self, const PetscReal x[4][3], PetscReal r
   if (self->surfaces.ridges) SurfacesRidgesNear(&self->surfaces, &place, reach, meet, ctx);
   if (self->walls.posts)
     BlocksNearBehind(self->walls.near_posts, self->surfaces.ridges, &flat, reach, meet, ctx);
+  for (PetscInt k = self->walls.resting; k < self->walls.posts; k++)
+    (void)meet(self->surfaces.ridges + k, reach, ctx);
 }
 
-static PetscBool PostTouch(const Contact *self, const WallPost *post, const PetscReal x[3],
+static PetscBool PostTouch(const Contact *self, PetscInt item, const PetscReal x[3],
                            PetscReal within, Touch *touch) {
+  const WallPost *post = &self->walls.post[item];
+  WallTouch flat = {.wall = post->wall};
   PetscReal y[3], size;
   Vector2 way;
 
   ToWalls(self, x, y);
-  way = Minus2(From2(y), post->at);
+  way = Minus2(From2(y), WallsPostAt(&self->walls, item, self->walls.time));
   size = Size2(way);
-  touch->gap = size - post->r - self->diameter / 2;
-  if (size == 0 || touch->gap >= within) return PETSC_FALSE;
-  touch->again = PETSC_FALSE;
-  TouchWall(self, post->wall, Over2(way, size), 1 / size, touch);
+  flat.gap = size - post->r - self->diameter / 2;
+  if (size == 0 || flat.gap >= within) return PETSC_FALSE;
+  flat.normal = Over2(way, size);
+  flat.bend = 1 / size;
+  if (item >= self->walls.resting)
+    flat.v = WallVelocity(&self->walls, post->wall, Along2(From2(y), post->r - size, flat.normal),
+                          &flat.spin);
+  TouchWall(self, &flat, touch);
   return PETSC_TRUE;
 }
 
@@ -280,7 +299,7 @@ PetscBool ContactRidgeTouch(const Contact *self, PetscInt item, const PetscReal 
   PetscReal y[3];
 
   if (item >= self->surfaces.ridges)
-    return PostTouch(self, &self->walls.post[item - self->surfaces.ridges], x, within, touch);
+    return PostTouch(self, item - self->surfaces.ridges, x, within, touch);
   ToLab(self, x, y);
   if (!SurfacesRidgeAt(&self->surfaces, item, y, within + half, &point)) return PETSC_FALSE;
   TouchOf(self, self->surfaces.ridge[item].surface, y, &point, touch);

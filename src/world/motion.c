@@ -177,45 +177,51 @@ PetscErrorCode MotionDestroy(SurfaceMotion *motion) {
   PetscFunctionBegin;
   for (int d = 0; d < 3; d++) PetscCall(ScheduleDestroy(&motion->place[d]));
   PetscCall(ScheduleDestroy(&motion->turn));
-  PetscCall(PetscFree(motion->row));
+  PetscCall(PetscFree(motion->places.row));
+  PetscCall(PetscFree(motion->angles.row));
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode AddRow(SurfaceMotion *motion, PetscReal t, const PetscReal x[3]) {
-  PetscInt *n = &motion->rows;
+static PetscErrorCode AddRow(MotionRows *self, PetscReal t, const PetscReal x[3]) {
+  enum { ROOM = 64 };
+  PetscInt *n = &self->n;
 
   PetscFunctionBegin;
-  while (*n && motion->row[*n - 1][0] >= t) (*n)--; /* it does not get there any more */
-  if (*n % 64 == 0 || !motion->row)
-    PetscCall(PetscRealloc((size_t)(*n + 64) * sizeof(*motion->row), &motion->row));
-  motion->row[*n][0] = t;
-  for (int d = 0; d < 3; d++) motion->row[*n][1 + d] = x[d];
+  while (*n && self->row[*n - 1][0] >= t) (*n)--; /* it does not get there any more */
+  if (*n % ROOM == 0 || !self->row)
+    PetscCall(PetscRealloc((size_t)(*n + ROOM) * sizeof(*self->row), &self->row));
+  self->row[*n][0] = t;
+  for (int d = 0; d < 3; d++) self->row[*n][1 + d] = x[d];
   (*n)++;
   PetscFunctionReturn(0);
 }
 
-/* The rows up to now of what moved as its line says. */
-static PetscErrorCode RowsSoFar(SurfaceMotion *motion, PetscReal t) {
-  Schedule any = NULL;
-  PetscReal x[3], at, value;
+/* The rows up to now of what moved, or turned, as its line says. */
+static PetscErrorCode RowsSoFar(SurfaceMotion *motion, PetscBool turns, PetscReal t) {
+  MotionRows *rows = turns ? &motion->angles : &motion->places;
+  Schedule any = turns ? motion->turn : NULL;
+  PetscReal x[3] = {0}, at, value;
 
   PetscFunctionBegin;
-  for (int d = 0; d < 3 && !any; d++) any = motion->place[d];
+  for (int d = 0; d < 3 && !any && !turns; d++) any = motion->place[d];
   for (PetscInt k = 0; any && k < ScheduleRows(any); k++) {
     ScheduleGetRow(any, k, &at, &value);
     if (at >= t) break;
-    MotionShift(motion, at, x);
-    PetscCall(AddRow(motion, at, x));
+    if (turns)
+      x[0] = MotionTurned(motion, at);
+    else
+      MotionShift(motion, at, x);
+    PetscCall(AddRow(rows, at, x));
   }
   if (any || t <= 0) PetscFunctionReturn(0);
-  MotionShift(motion, 0, x);
-  PetscCall(AddRow(motion, 0, x));
+  if (!turns) MotionShift(motion, 0, x);
+  PetscCall(AddRow(rows, 0, x));
   PetscFunctionReturn(0);
 }
 
 /*
   MotionLeadTo - from t on it is led on, from where it is and as fast as it moves, to a displacement
-  at which it comes to rest, and turns no more than it does.
+  at which it comes to rest, and turns as it does.
 
   by  the time when it is there; t: it is put there at once
   x   the displacement since t = 0
@@ -228,15 +234,41 @@ PetscErrorCode MotionLeadTo(SurfaceMotion *motion, PetscReal t, PetscReal by,
   PetscFunctionBegin;
   MotionShift(motion, t, is);
   MotionVelocity(motion, t, rate);
-  if (!motion->lead[0].on) PetscCall(RowsSoFar(motion, t));
-  PetscCall(AddRow(motion, t, is));
-  PetscCall(AddRow(motion, by > t ? by : t + moment, x));
+  if (!motion->lead[0].on) PetscCall(RowsSoFar(motion, PETSC_FALSE, t));
+  PetscCall(AddRow(&motion->places, t, is));
+  PetscCall(AddRow(&motion->places, by > t ? by : t + moment, x));
   for (int d = 0; d < 3; d++)
     if (by > t)
       LeadTo(&motion->lead[d], t, is[d], rate[d], by, x[d]);
     else
       LeadTo(&motion->lead[d], t, x[d], 0, t, x[d]);
   motion->any = motion->led = PETSC_TRUE;
+  PetscFunctionReturn(0);
+}
+
+/*
+  MotionTurnTo - from t on it is turned on, from where it is and as fast as it turns, to an angle at
+  which it comes to rest.
+
+  by      the time when it is there
+  angle   since t = 0
+  middle  about which it turns, upright along x3, if its line does not say how it turns
+*/
+PetscErrorCode MotionTurnTo(SurfaceMotion *motion, PetscReal t, PetscReal by, PetscReal angle,
+                            const PetscReal middle[3]) {
+  const PetscReal is[3] = {MotionTurned(motion, t)}, x[3] = {angle}, rate = MotionRate(motion, t);
+
+  PetscFunctionBegin;
+  if (!MotionTurns(motion))
+    for (int d = 0; d < 3; d++) {
+      motion->at[d] = middle[d];
+      motion->axis[d] = d == 2;
+    }
+  if (!motion->lead_turn.on) PetscCall(RowsSoFar(motion, PETSC_TRUE, t));
+  PetscCall(AddRow(&motion->angles, t, is));
+  PetscCall(AddRow(&motion->angles, by, x));
+  LeadTo(&motion->lead_turn, t, is[0], rate, by, angle);
+  motion->any = PETSC_TRUE;
   PetscFunctionReturn(0);
 }
 
@@ -263,9 +295,16 @@ static PetscErrorCode Add(Text *self, const char *format, ...) {
   PetscFunctionReturn(0);
 }
 
-static PetscErrorCode AddThree(Text *text, const PetscReal x[3]) {
+static PetscErrorCode AddNumbers(Text *text, int n, const PetscReal x[]) {
   PetscFunctionBegin;
-  for (int d = 0; d < 3; d++) PetscCall(Add(text, " %.17g", (double)x[d]));
+  for (int d = 0; d < n; d++) PetscCall(Add(text, " %.17g", (double)x[d]));
+  PetscFunctionReturn(0);
+}
+
+/* Rows: a time, and n numbers. */
+static PetscErrorCode AddRowsSoFar(Text *text, int n, const MotionRows *rows) {
+  PetscFunctionBegin;
+  for (PetscInt k = 0; k < rows->n; k++) PetscCall(AddNumbers(text, 1 + n, rows->row[k]));
   PetscFunctionReturn(0);
 }
 
@@ -296,35 +335,100 @@ PetscErrorCode MotionText(const SurfaceMotion *motion, char **text) {
 
   PetscFunctionBegin;
   PetscCall(Add(&said, ""));
-  if (motion->rows) {
+  if (motion->places.n) {
     PetscCall(Add(&said, " moves at"));
-    for (PetscInt k = 0; k < motion->rows; k++) {
-      PetscCall(Add(&said, " %.17g", (double)motion->row[k][0]));
-      PetscCall(AddThree(&said, motion->row[k] + 1));
-    }
+    PetscCall(AddRowsSoFar(&said, 3, &motion->places));
   } else if (motion->led) {
     PetscCall(Add(&said, " moves at"));
     PetscCall(AddRows(&said, 3, motion->place));
   } else if (Dot3(v, v) > 0) {
     PetscCall(Add(&said, " moves"));
-    PetscCall(AddThree(&said, v));
+    PetscCall(AddNumbers(&said, 3, v));
   }
-  if (motion->turn || motion->rate != 0) PetscCall(Add(&said, " turns"));
-  if (motion->turn) {
+  if (MotionTurns(motion)) PetscCall(Add(&said, " turns"));
+  if (motion->angles.n) {
+    PetscCall(Add(&said, " at"));
+    PetscCall(AddRowsSoFar(&said, 1, &motion->angles));
+    PetscCall(Add(&said, " about"));
+  } else if (motion->turn) {
     PetscCall(Add(&said, ScheduleIsRate(motion->turn) ? " spin" : " at"));
     PetscCall(AddRows(&said, 1, &motion->turn));
     PetscCall(Add(&said, " about"));
   } else if (motion->rate != 0)
     PetscCall(Add(&said, " %.17g", (double)motion->rate));
-  if (motion->turn || motion->rate != 0) {
-    PetscCall(AddThree(&said, motion->at));
-    PetscCall(AddThree(&said, motion->axis));
+  if (MotionTurns(motion)) {
+    PetscCall(AddNumbers(&said, 3, motion->at));
+    PetscCall(AddNumbers(&said, 3, motion->axis));
   }
   *text = said.text;
   PetscFunctionReturn(0);
 }
 
 /* ---- moving ---- */
+
+/* The way from its axis, carried along, to a place. */
+static void FromAxis(const SurfaceMotion *motion, PetscReal t, const PetscReal x[3],
+                     PetscReal o[3]) {
+  PetscReal shift[3];
+
+  MotionShift(motion, t, shift);
+  for (int d = 0; d < 3; d++) o[d] = x[d] - shift[d] - motion->at[d];
+}
+
+/* MotionVelocityAt - the velocity of its material at x, and its rate of turning. */
+void MotionVelocityAt(const SurfaceMotion *motion, PetscReal t, const PetscReal x[3],
+                      PetscReal velocity[3], PetscReal spin[3]) {
+  const PetscReal rate = MotionRate(motion, t);
+  PetscReal along[3], o[3];
+
+  FromAxis(motion, t, x, o);
+  MotionVelocity(motion, t, along);
+  for (int d = 0; d < 3; d++) spin[d] = rate * motion->axis[d];
+  Cross3(spin, o, velocity);
+  for (int d = 0; d < 3; d++) velocity[d] += along[d];
+}
+
+/* MotionCarry - where that of it which was at x at one time is at another. */
+void MotionCarry(const SurfaceMotion *motion, PetscReal from, PetscReal to, const PetscReal x[3],
+                 PetscReal y[3]) {
+  PetscReal shift[3], o[3];
+
+  FromAxis(motion, from, x, o);
+  MotionShift(motion, to, shift);
+  TurnAbout3(motion->axis, MotionAngle(motion, from, to), o, y);
+  for (int d = 0; d < 3; d++) y[d] += shift[d] + motion->at[d];
+}
+
+/* How far it is carried along off the straight way, half way between two times. */
+static PetscReal OffStraight(const SurfaceMotion *m, PetscReal from, PetscReal to) {
+  PetscReal first[3], mid[3], last[3], off = 0;
+
+  if (!m->led) return 0;
+  MotionShift(m, from, first);
+  MotionShift(m, (from + to) / 2, mid);
+  MotionShift(m, to, last);
+  for (int d = 0; d < 3; d++) off += PetscSqr(mid[d] - (first[d] + last[d]) / 2);
+  return PetscSqrtReal(off);
+}
+
+/*
+  MotionBow - how far from straight is the way, from one time to another, of that of it which is at
+  x in the end? About: of an arc of radius r and angle w it is
+
+    r w^2/8,
+
+  also where w is more than a turn; of n parts of the time each is 1/n^2 of that.
+*/
+PetscReal MotionBow(const SurfaceMotion *motion, PetscReal from, PetscReal to,
+                    const PetscReal x[3]) {
+  const PetscReal turned = MotionAngle(motion, from, to);
+  PetscReal o[3], across[3];
+
+  if (turned == 0) return OffStraight(motion, from, to);
+  FromAxis(motion, to, x, o);
+  Cross3(motion->axis, o, across);
+  return OffStraight(motion, from, to) + turned * turned / 8 * PetscSqrtReal(Dot3(across, across));
+}
 
 /* MotionLed - how far it has been carried along since t = 0, as given in time. */
 void MotionLed(const SurfaceMotion *motion, PetscReal t, PetscReal shift[3]) {
@@ -348,6 +452,7 @@ void MotionVelocity(const SurfaceMotion *motion, PetscReal t, PetscReal velocity
 
 /* MotionRate - how fast it turns. */
 PetscReal MotionRate(const SurfaceMotion *motion, PetscReal t) {
+  if (motion->lead_turn.on) return LeadRate(&motion->lead_turn, t);
   return motion->turn ? ScheduleRate(motion->turn, t) : motion->rate;
 }
 
@@ -356,14 +461,18 @@ PetscBool MotionJerks(const SurfaceMotion *motion, PetscReal t0, PetscReal t1) {
   for (int d = 0; d < 3; d++)
     if (motion->place[d] && !motion->lead[d].on && ScheduleJerks(motion->place[d], t0, t1))
       return PETSC_TRUE;
-  return (PetscBool)(motion->turn && ScheduleJerks(motion->turn, t0, t1));
+  return (PetscBool)(motion->turn && !motion->lead_turn.on && ScheduleJerks(motion->turn, t0, t1));
 }
 
 /* MotionNextTurn - the first time behind t at which it sets out, stops or turns back, in any way;
    PETSC_MAX_REAL if it does not. */
 PetscReal MotionNextTurn(const SurfaceMotion *motion, PetscReal t) {
-  PetscReal next = motion->turn ? ScheduleNextTurn(motion->turn, t) : PETSC_MAX_REAL;
+  PetscReal next = PETSC_MAX_REAL;
 
+  if (motion->lead_turn.on)
+    next = LeadNextTurn(&motion->lead_turn, t);
+  else if (motion->turn)
+    next = ScheduleNextTurn(motion->turn, t);
   for (int d = 0; d < 3; d++)
     if (motion->lead[d].on)
       next = SmallerOf(next, LeadNextTurn(&motion->lead[d], t));

@@ -255,35 +255,26 @@ PetscErrorCode SurfacesText(const Surfaces *self, char **text) {
 
 /* ---- moving ---- */
 
-/* v turned about the axis by an angle (Rodrigues). */
-static void Turned(const PetscReal a[3], PetscReal angle, const PetscReal v[3], PetscReal w[3]) {
-  const PetscReal c = PetscCosReal(angle), s = PetscSinReal(angle), along = (1 - c) * Dot3(a, v);
-  PetscReal across[3];
-
-  Cross3(a, v, across);
-  for (int d = 0; d < 3; d++) w[d] = c * v[d] + s * across[d] + along * a[d];
-}
-
 /* A surface that moves, or what stands out of it, where it is at the time. */
 static PetscBool MovedAt(const Surfaces *self, const Surface *surface, const void *data,
                          const PetscReal x[3], PetscReal within, SurfacePoint *point) {
   const SurfaceMotion *m = &surface->motion;
-  const PetscReal angle = MotionAngle(m, 0, self->time);
+  const PetscReal angle = MotionTurned(m, self->time);
   PetscReal shift[3], o[3], y[3], H[3][3], part[3];
   SurfacePoint given;
 
   MotionShift(m, self->time, shift);
   for (int d = 0; d < 3; d++) o[d] = x[d] - shift[d] - m->at[d];
-  Turned(m->axis, -angle, o, y);
+  TurnAbout3(m->axis, -angle, o, y);
   for (int d = 0; d < 3; d++) y[d] += m->at[d];
   if (!surface->kind->at(data, y, within, &given)) return PETSC_FALSE;
   point->distance = given.distance;
-  Turned(m->axis, angle, given.normal, point->normal);
-  for (int d = 0; d < 3; d++) Turned(m->axis, angle, given.bend[d], H[d]); /* rows: H R^T */
+  TurnAbout3(m->axis, angle, given.normal, point->normal);
+  for (int d = 0; d < 3; d++) TurnAbout3(m->axis, angle, given.bend[d], H[d]); /* rows: H R^T */
   for (int c = 0; c < 3; c++) {
     PetscReal column[3];
     Column3(H[0], 3, c, column);
-    Turned(m->axis, angle, column, part);
+    TurnAbout3(m->axis, angle, column, part);
     for (int d = 0; d < 3; d++) point->bend[d][c] = part[d];
   }
   return PETSC_TRUE;
@@ -302,67 +293,17 @@ PetscReal SurfaceShifted(const Surface *surface, PetscReal t, const PetscReal sh
                                                                       : PETSC_MAX_REAL;
 }
 
-/* SurfacesVelocity - the velocity of a surface's material at x, and its rate of turning. */
-void SurfacesVelocity(const Surfaces *self, PetscInt which, const PetscReal x[3],
-                      PetscReal velocity[3], PetscReal spin[3]) {
-  const SurfaceMotion *m = &self->surface[which].motion;
-  const PetscReal rate = MotionRate(m, self->time);
-  PetscReal shift[3], along[3], o[3];
+/* SurfaceMiddle - about which one turns whose line does not say it: the first place in that, or, of
+   what a file gives, the middle of the box that holds it. */
+void SurfaceMiddle(const Surface *self, PetscReal x[3]) {
+  double at[3];
 
-  MotionShift(m, self->time, shift);
-  MotionVelocity(m, self->time, along);
-  for (int d = 0; d < 3; d++) {
-    o[d] = x[d] - shift[d] - m->at[d];
-    spin[d] = rate * m->axis[d];
+  if (self->kind->known == SURFACE_EXACT &&
+      sscanf(self->text, "%*s %lf %lf %lf", &at[0], &at[1], &at[2]) == 3) {
+    for (int d = 0; d < 3; d++) x[d] = at[d];
+    return;
   }
-  Cross3(spin, o, velocity);
-  for (int d = 0; d < 3; d++) velocity[d] += along[d];
-}
-
-/* SurfacesCarry - where that of a surface which was at x at another time, from, is now. */
-void SurfacesCarry(const Surfaces *self, PetscInt which, PetscReal from, const PetscReal x[3],
-                   PetscReal y[3]) {
-  const SurfaceMotion *m = &self->surface[which].motion;
-  PetscReal then[3], now[3], o[3];
-
-  MotionShift(m, from, then);
-  MotionShift(m, self->time, now);
-  for (int d = 0; d < 3; d++) o[d] = x[d] - then[d] - m->at[d];
-  Turned(m->axis, MotionAngle(m, from, self->time), o, y);
-  for (int d = 0; d < 3; d++) y[d] += now[d] + m->at[d];
-}
-
-/* How far it is carried along off the straight way, half way between two times. */
-static PetscReal OffStraight(const SurfaceMotion *m, PetscReal from, PetscReal to) {
-  PetscReal first[3], mid[3], last[3], off = 0;
-
-  if (!m->led) return 0;
-  MotionShift(m, from, first);
-  MotionShift(m, (from + to) / 2, mid);
-  MotionShift(m, to, last);
-  for (int d = 0; d < 3; d++) off += PetscSqr(mid[d] - (first[d] + last[d]) / 2);
-  return PetscSqrtReal(off);
-}
-
-/*
-  SurfacesBow - how far from straight is the way, since another time, of that of a surface which is
-  at x now? About: of an arc of radius r and angle w it is
-
-    r w^2/8,
-
-  also where w is more than a turn; of n parts of the time each is 1/n^2 of that.
-*/
-PetscReal SurfacesBow(const Surfaces *self, PetscInt which, PetscReal from, const PetscReal x[3]) {
-  const SurfaceMotion *m = &self->surface[which].motion;
-  const PetscReal turned = MotionAngle(m, from, self->time);
-  PetscReal shift[3], o[3], across[3];
-
-  if (turned == 0) return OffStraight(m, from, self->time);
-  MotionShift(m, self->time, shift);
-  for (int d = 0; d < 3; d++) o[d] = x[d] - shift[d] - m->at[d];
-  Cross3(m->axis, o, across);
-  return OffStraight(m, from, self->time) +
-         turned * turned / 8 * PetscSqrtReal(Dot3(across, across));
+  for (int d = 0; d < 3; d++) x[d] = (self->box.low[d] + self->box.high[d]) / 2;
 }
 
 /* SurfacesJerk - does any of them set out or stop at once between two times? */

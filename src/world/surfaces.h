@@ -119,12 +119,7 @@ PetscBool SurfacesRidgeAt(const Surfaces *surfaces, PetscInt item, const PetscRe
                           PetscReal within, SurfacePoint *point);
 PetscReal SurfaceShifted(const Surface *surface, PetscReal t, const PetscReal shift[3],
                          const PetscReal x[3]);
-void SurfacesVelocity(const Surfaces *surfaces, PetscInt which, const PetscReal x[3],
-                      PetscReal velocity[3], PetscReal spin[3]);
-void SurfacesCarry(const Surfaces *surfaces, PetscInt which, PetscReal from, const PetscReal x[3],
-                   PetscReal y[3]);
-PetscReal SurfacesBow(const Surfaces *surfaces, PetscInt which, PetscReal from,
-                      const PetscReal x[3]);
+void SurfaceMiddle(const Surface *surface, PetscReal x[3]);
 PetscBool SurfacesJerk(const Surfaces *surfaces, PetscReal t0, PetscReal t1);
 PetscReal SurfacesNextTurn(const Surfaces *surfaces, PetscReal t);
 PetscErrorCode SurfaceNumber(const SurfaceLine *line, PetscInt k, Dimension dimension,

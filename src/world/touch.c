@@ -277,6 +277,7 @@ static void Take(Look *look, PetscInt wall, PetscInt piece, WallTouch *at) {
   at->piece = piece;
   at->again = PETSC_FALSE;
   at->v = (Vector2){0, 0};
+  at->spin = 0;
   for (; k > 0 && (look->touch[k - 1].wall > wall ||
                    (look->touch[k - 1].wall == wall && look->touch[k - 1].piece > piece));
        k--)
@@ -430,11 +431,11 @@ static void LookAtWall(Look *look, PetscInt w) {
     for (PetscInt k = 0; k < wall->pieces; k++) (void)MeetPiece(k, everywhere, look);
 }
 
-/* ... displaced by so much. */
-static void LookAtShifted(Look *look, PetscInt wall, Vector2 shift) {
+/* ... where it is: what is seen is told as of where it is given. */
+static void LookAtPlaced(Look *look, PetscInt wall, const WallPose *pose) {
   const Vector2 from = look->at;
 
-  look->at = Minus2(from, shift);
+  look->at = WallGiven(pose, from);
   LookAtWall(look, wall);
   look->at = from;
 }
@@ -443,16 +444,18 @@ static void LookAtMoving(Look *look) {
   const Walls *walls = look->walls;
 
   for (PetscInt w = 0; w < walls->n; w++)
-    if (walls->wall[w].motion.any) LookAtShifted(look, w, WallShift(walls, w, walls->time));
+    if (walls->wall[w].motion.any) {
+      const WallPose pose = WallPoseAt(walls, w, walls->time);
+      LookAtPlaced(look, w, &pose);
+    }
 }
 
-static void LookAround(Look *look) {
+static void LookAtResting(Look *look) {
   const Walls *walls = look->walls;
   const Block place = PlaceBlock(look->at);
   const PetscReal at[] = {look->at.x, look->at.y};
   const int *lists = walls->squares ? SquaresAt(walls->squares, at) : NULL;
 
-  if (walls->move) LookAtMoving(look);
   for (PetscInt k = 0; k < walls->opens; k++) LookAt(look, &walls->open[k]);
   if (lists) {
     LookByLists(look, lists);
@@ -464,6 +467,22 @@ static void LookAround(Look *look) {
     for (PetscInt k = 0; k < walls->parts; k++) LookAt(look, &walls->part[k]);
   else
     BlocksNear(walls->near_parts, &place, Reach(look), MeetPart, look);
+}
+
+static void LookAround(Look *look) {
+  if (look->walls->move) LookAtMoving(look);
+  LookAtResting(look);
+}
+
+/* Of a wall that moves: its normal as it is now, and its velocity where it touches. */
+static void Moves(const Look *look, WallTouch *touch) {
+  const Wall *wall = &look->walls->wall[touch->wall];
+  const WallPose pose = WallPoseAt(look->walls, touch->wall, look->walls->time);
+  const PetscReal distance = touch->gap + look->radius - wall->off;
+
+  touch->normal = Turned2(pose.turn, touch->normal);
+  touch->v = WallVelocity(look->walls, touch->wall, Along2(look->at, -distance, touch->normal),
+                          &touch->spin);
 }
 
 /*
@@ -481,7 +500,7 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, 
   for (PetscInt k = 1; k < look.n; k++)
     touch[k].again = (PetscBool)(touch[k].wall == touch[k - 1].wall);
   for (PetscInt k = 0; k < look.n && walls->move; k++)
-    if (walls->wall[touch[k].wall].motion.any) touch[k].v = WallVelocity(walls, touch[k].wall);
+    if (walls->wall[touch[k].wall].motion.any) Moves(&look, &touch[k]);
   return look.n;
 }
 
@@ -498,6 +517,14 @@ PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[3], PetscReal rad
 /* WallsGap - the smallest gap of a point of the rod to any wall; 1e300: there is none. */
 PetscReal WallsGap(const Walls *walls, const PetscReal x[3], PetscReal radius) {
   return WallsGapWithin(walls, x, radius, everywhere);
+}
+
+/* WallsGapAtRest - ... to any that does not move. */
+PetscReal WallsGapAtRest(const Walls *walls, const PetscReal x[3], PetscReal radius) {
+  Look look = {.walls = walls, .at = From2(x), .radius = radius, .nearest = everywhere};
+
+  LookAtResting(&look);
+  return look.nearest;
 }
 
 /* ---- what is solid ---- */
@@ -517,10 +544,11 @@ static PetscBool InPolygon(const Wall *wall, Vector2 x) {
 
 /* A place as a wall has it that is where it is given. */
 static Vector2 AsGiven(const Walls *walls, PetscInt wall, const PetscReal x[3]) {
-  const Vector2 rests = {0, 0};
+  WallPose pose;
 
-  return Minus2(From2(x),
-                walls->wall[wall].motion.any ? WallShift(walls, wall, walls->time) : rests);
+  if (!walls->wall[wall].motion.any) return From2(x);
+  pose = WallPoseAt(walls, wall, walls->time);
+  return WallGiven(&pose, From2(x));
 }
 
 /* WallsBehind - the polygon behind whose surface a place is, however deep: its number; -1: none.
@@ -533,16 +561,15 @@ PetscInt WallsBehind(const Walls *walls, const PetscReal x[3]) {
   return -1;
 }
 
-/* WallGapShifted - the gap of a point of the rod to one wall that is displaced by so much, in the
-   clamp's frame. */
-PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const PetscReal x[3],
-                         PetscReal radius) {
+/* WallGap - the gap of a point of the rod to one wall, which is there. */
+PetscReal WallGap(const Walls *walls, PetscInt wall, const WallPose *pose, const PetscReal x[3],
+                  PetscReal radius) {
   const Wall *self = &walls->wall[wall];
   Look look = {.walls = walls, .at = From2(x), .radius = radius, .nearest = everywhere};
 
-  if (self->kind == WALL_POLYGON && InPolygon(self, Minus2(look.at, shift)) != self->inside)
+  if (self->kind == WALL_POLYGON && InPolygon(self, WallGiven(pose, look.at)) != self->inside)
     return -radius;
-  LookAtShifted(&look, wall, shift);
+  LookAtPlaced(&look, wall, pose);
   return look.nearest;
 }
 

@@ -388,19 +388,20 @@ static PetscErrorCode TakeFriction(Maker *self, PetscInt *n, char *word[]) {
   PetscFunctionReturn(0);
 }
 
-/* Walls of the plane are carried along in it; they do not turn. */
+/* Walls of the plane are carried along in it, and turn about x3. */
 static PetscErrorCode TakeMotion(const Maker *self, PetscInt *n, char *word[]) {
   const WallKind kind = self->wall->kind;
   SurfaceMotion *motion = &self->wall->motion;
+  const PetscReal *axis = motion->axis;
   Schedule upward;
   PetscReal out;
 
   PetscFunctionBegin;
   PetscCall(MotionTake(self->file, self->line, n, word, motion));
   UserCheck(
-      !motion->turn && motion->rate == 0, OptionsComm(),
-      "-wall_file %s, line %d: walls of the plane do not turn, surfaces in space do; in place "
-      "of this %s give %s and then turns RATE X Y Z AX AY AZ",
+      axis[0] == 0 && axis[1] == 0, OptionsComm(),
+      "-wall_file %s, line %d: turns: a wall of the plane turns in it; let the axis be 0 0 1, "
+      "or in place of this %s give %s",
       self->file, self->line, wall_kind[kind], wall_in_space[kind]);
   upward = motion->place[2];
   out = motion->velocity[2];
@@ -413,18 +414,6 @@ static PetscErrorCode TakeMotion(const Maker *self, PetscInt *n, char *word[]) {
             "-wall_file %s, line %d: moves: a wall of the plane stays in it; let x3 be 0, or in "
             "place of this %s give %s",
             self->file, self->line, wall_kind[kind], wall_in_space[kind]);
-  PetscFunctionReturn(0);
-}
-
-/* WallsRefuseSpace - beside a rod in space walls of the plane stand still. */
-PetscErrorCode WallsRefuseSpace(const Walls *walls) {
-  PetscFunctionBegin;
-  for (PetscInt w = 0; w < walls->n; w++)
-    UserCheck(!walls->wall[w].motion.any, OptionsComm(),
-              "-wall_file, line %d: beside a rod in space walls of the plane stand still, "
-              "surfaces in space move; in place of this %s give %s",
-              walls->wall[w].line, wall_kind[walls->wall[w].kind],
-              wall_in_space[walls->wall[w].kind]);
   PetscFunctionReturn(0);
 }
 

@@ -1,6 +1,6 @@
 /* Walls: what stands around the rod, or is carried along. A wall is a plane, a circle, a polygon or
    a conduit; each is made of pieces, lines and arcs, whose signed distance is smooth. All that is
-   kept of a wall that moves is where it is given; a place looks at it from as far as it has moved.
+   kept of a wall that moves is where it is given; a place looks at it as it would from there.
  */
 #ifndef TENDRIL_WALLS_H
 #define TENDRIL_WALLS_H
@@ -43,8 +43,13 @@ typedef struct {
   WallPiece *piece;     /* in the clamp's frame */
   Blocks near;          /* its pieces: where the axis of a conduit is beside each; of a polygon that
                            moves, where they are; of others NULL */
-  SurfaceMotion motion; /* it does not turn */
+  SurfaceMotion motion; /* in the plane, about x3 */
 } Wall;
+
+/* Where a wall is: what is given at x is at the turned x + by, in the clamp's frame. */
+typedef struct {
+  Vector2 turn, by; /* turn: cosine and sine */
+} WallPose;
 
 /* What stands out of a wall and is round, of radius r, or sharp, r = 0: all of the circle is behind
    the surface. It may be narrower than a cell of the rod (rod/feet.h). */
@@ -82,7 +87,8 @@ typedef struct {
    curvature of the lines of equal distance, dn = bend t (t.dx), t across n. */
 typedef struct {
   PetscReal gap, bend;
-  Vector2 normal, v; /* v: velocity of the wall */
+  Vector2 normal, v; /* v: velocity of the wall, where it touches */
+  PetscReal spin;    /* its rate of turning */
   PetscInt wall, piece;
   PetscBool again; /* another piece of the wall before it */
 } WallTouch;
@@ -93,16 +99,17 @@ PetscErrorCode WallsRead(const char *file, PetscReal radius, PetscReal friction,
                          PetscReal clamp_angle, Walls *walls, Surfaces *surfaces);
 PetscErrorCode WallsDestroy(Walls *walls);
 PetscErrorCode WallsText(const Walls *walls, char **text);
-PetscErrorCode WallsRefuseSpace(const Walls *walls);
 
 /* walls_move.c */
 PetscErrorCode WallsLeadTo(Walls *walls, PetscInt wall, PetscReal t, PetscReal by,
                            const PetscReal x[3]);
-Vector2 WallsDisplacement(const Walls *walls, const PetscReal lab[3]);
-Vector2 WallShift(const Walls *walls, PetscInt wall, PetscReal t);
-Vector2 WallVelocity(const Walls *walls, PetscInt wall);
-Vector2 WallsCarried(const Walls *walls, PetscInt wall, PetscReal from);
-Vector2 WallsPostAt(const Walls *walls, PetscInt post);
+PetscErrorCode WallsTurnTo(Walls *walls, PetscInt wall, PetscReal t, PetscReal by, PetscReal angle);
+WallPose WallPoseAt(const Walls *walls, PetscInt wall, PetscReal t);
+WallPose WallPoseShifted(const Walls *walls, PetscInt wall, const PetscReal lab[3]);
+Vector2 WallVelocity(const Walls *walls, PetscInt wall, Vector2 x, PetscReal *spin);
+Vector2 WallCarry(const Walls *walls, PetscInt wall, PetscReal from, Vector2 x);
+PetscReal WallBow(const Walls *walls, PetscInt wall, PetscReal from, Vector2 x);
+Vector2 WallsPostAt(const Walls *walls, PetscInt post, PetscReal t);
 void WallsPostsNear(const Walls *walls, const Block *place, PetscReal reach, BlocksMeet meet,
                     void *ctx);
 PetscBool WallsJerk(const Walls *walls, PetscReal t0, PetscReal t1);
@@ -121,9 +128,20 @@ PetscInt WallsTouch(const Walls *walls, const PetscReal x[3], PetscReal radius, 
 PetscReal WallsGapWithin(const Walls *walls, const PetscReal x[3], PetscReal radius,
                          PetscReal within);
 PetscReal WallsGap(const Walls *walls, const PetscReal x[3], PetscReal radius);
-PetscReal WallGapShifted(const Walls *walls, PetscInt wall, Vector2 shift, const PetscReal x[3],
-                         PetscReal radius);
+PetscReal WallsGapAtRest(const Walls *walls, const PetscReal x[3], PetscReal radius);
+PetscReal WallGap(const Walls *walls, PetscInt wall, const WallPose *pose, const PetscReal x[3],
+                  PetscReal radius);
 PetscInt WallsBehind(const Walls *walls, const PetscReal x[3]);
 PetscBool WallsHold(const Walls *walls, PetscInt wall, const PetscReal x[3]);
+
+/* WallPlaced - where that of a wall is which is given at a place. */
+static inline Vector2 WallPlaced(const WallPose *pose, Vector2 given) {
+  return Plus2(Turned2(pose->turn, given), pose->by);
+}
+
+/* WallGiven - ... and back. */
+static inline Vector2 WallGiven(const WallPose *pose, Vector2 x) {
+  return TurnedBack2(pose->turn, Minus2(x, pose->by));
+}
 
 #endif

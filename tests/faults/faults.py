@@ -210,6 +210,27 @@ def a_signal_to_mpiexec_ends_run_and_sweep_in_good_order():
 
 
 @check
+def several_rods_that_are_stopped_or_have_no_room_lose_nothing():
+    """A file that may not grow: one line, and what was stored is whole. A signal: the file says so, and is gone on with."""
+    d = Path(scene.SCRATCH)
+    (d / "two.opts").write_text("-growth_type feed\n-rod_cells 30\n[rod a]\n[rod b]\n-clamp_place 0,1,0\n")
+    code, said, stderr = run(f"-options_file {d}/two.opts -ts_max_time 0.1 -output {d}/two.h5", before="ulimit -f 200; ")
+    expect(code > 0 and len(said) == 1 and "two.h5: cannot be written" in said[0] and "File too large" in said[0] and
+           "what was stored before is whole" in said[0], f"exit {code}: {stderr}")
+    expect(not read(d / "two.h5")["finished"] and not list(d.glob("*.part")), "not what was stored before")
+    endless = f"-options_file {d}/two.opts -ts_max_time 1e3 -output_interval 1 -output {d}/two.h5"
+    with Held(command(endless), env=scene.ENVIRONMENT) as process:
+        expect(process.let(4 * PAGE), "it has ended")
+        process.process.send_signal(signal.SIGTERM)
+        code, said = process.end()
+    expect(code and said.count("tendril: ") == 1 and "interrupted by signal 15 at t" in said, f"exit {code}: {said}")
+    stopped = read(d / "two.h5")
+    expect(stopped["restart"] and len(stopped["t"]) > 5, "what was found is not there")
+    code, _, stderr = run(f"-restart {d}/two.h5 -ts_max_time {1.01 * stopped['t'][-1]} -quiet")
+    expect(code == 0 and read(d / "two.h5")["finished"], stderr)
+
+
+@check
 def a_run_of_one_process_starts_no_daemon():
     """A run of one process has no shared memory, of which Open MPI 5 would leave a
     segment behind each time; no daemon, without which it starts in half the time; and it asks no X server."""

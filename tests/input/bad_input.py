@@ -316,9 +316,8 @@ CASES = [
     ("-wall_file {wall_friction_none}", "line 1"),
     ("-wall_file {wall_friction_first}", "friction 0.3 0: is one number ... behind all others"),
     ("-wall_file {wall_friction_comma}", "friction 0,3: ... with a point: friction 0.3"),
-    ("-rod_model space -wall_file {wall_circle_moves}", "stand still ... give cylinder X1 X2 0 0 0 1 R"),
     ("-wall_file {wall_circle_rises}", "stays in it ... give cylinder X1 X2 0 0 0 1 R"),
-    ("-wall_file {wall_plane_turns}", "do not turn ... give plane X1 X2 0 N1 N2 0"),
+    ("-wall_file {wall_plane_turns}", "turns in it; let the axis be 0 0 1 ... give plane X1 X2 0 N1 N2 0"),
     *((f"-contact_diameter 0.1 -wall_file {{wall_{name}}}", words) for name, words in (
         ("moves_few", "moves: give moves VX VY VZ"), ("moves_row", "moves at: has 4 ... rows of four"),
         ("moves_ragged", "moves at: has 7 numbers"), ("moves_back", "moves: t must increase"),
@@ -572,8 +571,7 @@ def make_files(d, tendril):
             ("polygon", "polygon outside 2 -1 4 -1 3 1"),
             ("line", "polygon outside 2 -1 3 -1 4 -1"), ("odd", "polygon outside 2 -1 4 -1 3"),
             ("plane", "plane 0.7 0 -1 0"), ("behind", "plane 0.1 0 -1 0"),
-            ("circle_moves", "circle 5 0 1 outside moves 0 1 0"),
-            ("circle_rises", "circle 5 0 1 outside moves at 0 0 0 0 1 0 0 1"), ("plane_turns", "plane 5 0 -1 0 turns 1 5 0 0 0 0 1")):
+            ("circle_rises", "circle 5 0 1 outside moves at 0 0 0 0 1 0 0 1"), ("plane_turns", "plane 5 0 -1 0 turns 1 5 0 0 0 1 1")):
         text(f"wall_{name}", line + "\n")
     for name, line in (
             ("moves_few", "moves 1 0"), ("moves_row", "moves at 0 0 0 0"), ("moves_ragged", "moves at 0 0 0 0 1 0 0"),

@@ -68,6 +68,89 @@ class AsTheProgram(unittest.TestCase):
             np.testing.assert_allclose(sim.x, run.at(t).x, rtol=0, atol=1e-14)
 
 
+TOGETHER = dict(growth_type="uniform", growth_initial_length=1, friction_beta=1e-4, friction_mu=0.5, ts_max_time=0.1, rod_cells=10)
+RODS = {"left": {"rod_curvature": 0.3}, "right": {"clamp_place": (0, 1, 0), "rod_curvature": -0.4, "rod_cells": 14},
+        "twig": {"clamp_on": "left", "clamp_at": "tip", "growth_initial_length": 0.4}}
+
+
+class SeveralRods(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.by_program = tendril.run(rods=RODS, **TOGETHER)
+
+    def test_interleaved_they_are_those_of_the_program_to_the_last_digit(self):
+        """Each rod's series, those of all, and places; beside a run of one rod, which is its own, too."""
+        short = FEW | {"ts_max_time": 0.05}
+        run, alone = self.by_program, tendril.run("feed", **short)
+        sim, other = tendril.Simulation(rods=RODS, **TOGETHER), tendril.Simulation("feed", **short)
+        while sim.step():
+            other.step()
+        other.advance()
+        self.assertEqual(list(sim.rods), list(RODS))
+        self.assertEqual(differing(other.series, alone.series), [])
+        self.assertEqual(differing(sim.series, run.series), [])
+        for name in RODS:
+            self.assertEqual(differing(sim[name].series, run[name].series), [])
+            np.testing.assert_array_equal(sim[name].x, run[name].at(sim.t).x)
+        self.assertIn("energy", sim.series)
+        self.assertNotIn("tip_x1", sim.series)
+
+    def test_looking_and_saving_on_the_way_change_nothing(self):
+        looked, straight = tendril.Simulation(rods=RODS, **TOGETHER), self.by_program
+        looked.advance(0.04)
+        self.assertEqual((looked.t, looked.series["t"][-1], looked["twig"].series["t"][-1]), (0.04, 0.04, 0.04))
+        looked["twig"].nodes
+        looked.step()
+        with tempfile.TemporaryDirectory() as directory:
+            looked.save(f"{directory}/half.h5")
+            again = tendril.Simulation.load(f"{directory}/half.h5")
+        for sim in (looked, again):
+            sim.advance()
+            for name in RODS:
+                self.assertEqual(differing(sim[name].series, straight[name].series), [])
+            self.assertEqual(differing(sim.series, straight.series), [])
+
+    def test_what_is_changed_of_one_or_of_all_is_a_scene_of_the_program(self):
+        """The changes that are in its file, given to the program as a table of each rod, make the same run."""
+        sim = tendril.Simulation(rods=RODS, **TOGETHER)
+        sim.advance(0.03)
+        sim["right"].set("tip_force", 0.4)
+        sim.advance(0.06)
+        sim.set("friction_mu", 0.3)
+        with tempfile.TemporaryDirectory() as directory:
+            sim.save(f"{directory}/changed.h5")
+            again = tendril.Simulation.load(f"{directory}/changed.h5")
+            sim.advance()
+            again.advance()
+            rods = {}
+            for name, own in RODS.items():
+                Path(f"{directory}/{name}.txt").write_text(("0.03 tip_force 0.4\n" if name == "right" else "") + "0.06 friction_mu 0.3\n")
+                rods[name] = own | {"change_file": f"{directory}/{name}.txt"}
+            run = tendril.run(rods=rods, **TOGETHER)
+        for name in RODS:
+            self.assertEqual(differing(sim[name].series, run[name].series), [])
+            self.assertEqual(differing(again[name].series, sim[name].series), [])
+        self.assertGreater(abs(run["right"].series["tip_x1"][-1] - self.by_program["right"].series["tip_x1"][-1]), 1e-4)
+
+    def test_mistakes_are_one_sentence_and_change_nothing(self):
+        for more, line in (({"rods": {"a": {"rod_curvaturex": 1}}}, "rod a: rod_curvaturex: unknown option"),
+                           ({"b_rod_cells": 3}, "b_rod_cells: unknown option"), ({"rods": {"a": {"tip_on": "c"}}}, "there is no rod of that name")):
+            with self.subTest(more), self.assertRaisesRegex(tendril.RunError, line) as caught:
+                tendril.Simulation(**{"rods": RODS} | TOGETHER | more)
+            self.assertNotIn("\n", str(caught.exception))
+        sim = tendril.Simulation(rods=RODS, **TOGETHER)
+        sim.advance(0.05)
+        for option, value in (("left_tip_forcex", 1), ("rod_cells", 3), ("up_tip_force", 1), ("left_friction_mu", 1)):
+            with self.subTest(option), self.assertRaises(tendril.RunError):
+                sim.set(option, value)
+        with self.assertRaisesRegex(tendril.TendrilError, "holds 3 rods"):
+            sim.x
+        with self.assertRaisesRegex(KeyError, "did you mean left"):
+            sim["lef"]
+        sim.advance()
+        self.assertEqual(differing(sim.series, self.by_program.series), [])
+
+
 class Handling(unittest.TestCase):
     def test_mistakes_are_one_sentence_and_the_process_goes_on(self):
         for options, line in (({"friction_mux": 1}, "did you mean friction_mu"), ({"friction_mu": 2}, "too large"),
@@ -232,10 +315,10 @@ PLAYED = {  # options; (behind so many steps, what, its new value, of which T is
                     rod_model="space", wall_file=["cylinder 0.6 -0.6 0  0 0 1  0.5 outside friction 0.2",
                                                   "cylinder 30 10 0  0 0 1  0.3 outside friction 0.2"]),
                [(0, "clamp_spin", "0.3"), (15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -28.7 -9.55"),
-                (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
+                (90, "wall_turn_to", "2 T0.3 1"), (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
     "walls": (dict(growth_type="feed", growth_initial_length=1, shape_amplitude=0.05, contact_diameter=0.1, ts_max_time=1, ts_rtol=3e-6,
                    wall_file=["circle 0.6 -0.6 0.5 outside friction 0.2", "polygon outside 31 9 32 9 31 10", "path 0.6 -0.3 0 3 0 3 2 6 2"]),
-              [(15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -29.5 -10.1"), (90, "wall_to", "3 T0.3 0 0.1"),
+              [(15, "wall_to", "1 T0.4 0 0.3"), (60, "wall_at", "2 -29.5 -10.1"), (90, "wall_to", "3 T0.3 0 0.1"), (95, "wall_turn_to", "2 T0.2 20deg"), (120, "wall_turn_to", "3 T0.3 -0.02"),
                (150, "wall_friction", "1 0.4"), (170, "wall_to", "1 T0.1 0.1 0.2 0")]),
     "shoot": (dict(growth_type="uniform", growth_initial_length=0.5, tropism_light=1.5, tropism_source="3,2", tropism_gravity=0.5, clamp_angle="20deg",
                    tropism_direction="0,1", tropism_proprioception=1, friction_mu=0, shape_type="straight", ts_max_time=1),
@@ -281,7 +364,7 @@ class Played(unittest.TestCase):
                 self.assertEqual(len(run.attributes["changes"].splitlines()) if "changes" in run.attributes else 0, len(rows))
                 plain = tendril.run(**options)
                 self.assertGreater(np.abs(np.interp(0.7, plain.series["t"], plain.series["energy"]) - np.interp(0.7, run.series["t"], run.series["energy"])), 1e-6)
-                self.assertLess(np.abs(run.series["energy_defect"]).max(), 2e-4)
+                self.assertLess(np.abs(run.series["energy_defect"]).max(), 4e-4)
                 on = tendril.Simulation.load(file)  # in the midst of it
                 for t, what, value in rows:
                     while t > on.t and on.step():
@@ -308,7 +391,7 @@ class Played(unittest.TestCase):
         options, _ = PLAYED["stones"]
         sim = tendril.Simulation(**options | dict(rod_cells=60))
         for name, value, line in (("wall_to", "3 1 0 0", "no wall in this line"), ("wall_to", "1 -1 0 0", "already"),
-                                  ("wall_to", "1 1", "give LINE T X1 X2 X3"), ("wall_at", "2 -29.4 -10", "the rod is there"),
+                                  ("wall_to", "1 1", "give LINE T X1 X2 X3"), ("wall_turn_to", "1 9", "give LINE T ANGLE"), ("wall_turn_to", "1 0 1", "already"), ("wall_at", "2 -29.4 -10", "the rod is there"),
                                   ("tip_to", "1 1 0", "the tip is free"), ("friction_factor", "0", "0.001"),
                                   ("feed_speed", "fast", "give a number"), ("tropism_light", "1", "nothing in it learns")):
             with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
@@ -333,13 +416,14 @@ class Played(unittest.TestCase):
             ends[lamp] = sim.theta[-1]
         self.assertTrue(ends["4,-1"] < 0 < ends["4,1"] < ends["-4,1"], ends)
         sim = tendril.Simulation(**options)
-        for name, value, line in (("tropism_gravity", 1, "is 0 in this run"), ("tropism_source", "1,1,1", "out of the plane"), ("tropism_direction", "0,1", "is not sensed")):
+        on_it = ",".join(map(repr, sim.x[20].tolist()))
+        for name, value, line in (("tropism_source", on_it, "the rod is there"), ("tropism_gravity", 1, "is 0 in this run"), ("tropism_source", "1,1,1", "out of the plane"), ("tropism_direction", "0,1", "is not sensed")):
             with self.subTest(name), self.assertRaisesRegex(tendril.RunError, line):
                 sim.set(name, value)
 
     def test_a_wall_of_the_plane_is_not_put_where_the_rod_is(self):
         sim = tendril.Simulation(**PLAYED["walls"][0] | dict(rod_cells=60))
-        for value, line in (("1 0 0.4", "the rod is there"), ("2 -30.8 -9.3", "the rod is there"), ("1 0 0 1", "out of the plane"), ("3 0 5", "the rod is there")):
+        for value, line in (("1 0 0.4", "the rod is there"), ("2 -30.8 -9.3", "the rod is there"), ("1 0 0 1", "stays in it"), ("3 0 5", "the rod is there")):
             with self.subTest(value), self.assertRaisesRegex(tendril.RunError, line):
                 sim.set("wall_at", value)
         sim.set("wall_at", "3 0 0.1")

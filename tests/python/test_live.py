@@ -136,11 +136,12 @@ class Faults(Live):
                          '{"do": "set", "name": "rod_cells", "value": 5}', '{"do": "set", "name": "feed_speed", "value": "fast"}',
                          '{"do": "set", "name": "feed_speed", "value": 1' + 400 * "0" + "}", '{"do": "pace", "pace": 1' + 400 * "0" + "}",
                          '{"do": "set", "name": "feed_speed", "value": NaN}', '{"do": "set", "name": "feed_speed"}', '{"do": "wall", "line": 99, "shift": [0, 0]}',
-                         '{"do": "wall", "line": 1, "shift": ["a", 0]}', '{"do": "hand", "force": "up"}', '{"do": "back", "t": 1e9}', '{"do": "pace", "pace": -1}',
+                         '{"do": "wall", "line": 1, "shift": ["a", 0]}', '{"do": "turn", "line": 1, "angle": NaN}', '{"do": "hand", "force": [NaN, 0]}', '{"do": "hand", "force": "up"}', '{"do": "back", "t": 1e9}', '{"do": "pace", "pace": -1}',
                          '{"do": "branch", "branch": 77}', '{"do": "lead", "place": [1, 0]}', '{"do": "set", "name": "wall_friction 1", "value": -1}'):
                 with self.subTest(text[:60]):
                     socket.send(text)
-                    self.assertTrue(told(socket, "refused")["text"])
+                    said = told(socket, "refused")["text"]
+                    self.assertRegex(said, "^(speed of feeding|angle|force): give a finite number" if "NaN" in text else ".")  # by the name that it has on the page
         with self.socket() as socket:
             after = told(socket, "whole")
         self.assertEqual((after["t"], after["changes"], after["running"]), (before["t"], before["changes"], before["running"]))
@@ -299,6 +300,33 @@ class Sessions(unittest.TestCase):
                 session.step()
                 session.look()
             self.assertGreater(session.sim.theta[-1], 0)
+
+    def test_a_wall_is_turned_from_where_its_line_has_it(self):
+        from tendril.playing import prepare
+        from tendril.sessions import Session
+        from tendril.walls import parse
+
+        with tempfile.TemporaryDirectory() as directory:
+            scene = dict(growth_type="feed", growth_initial_length=1, shape_amplitude=0.05, contact_diameter=0.1, rod_cells=20, ts_max_time=1,
+                         wall_file=["polygon outside 1 2 3 2 2 3 turns -0.5 1 2 0 0 0 -1", "circle 1 -2 0.5 outside moves 0 0.1 0", "plane 0 -5 0 1"])
+            for space in ({}, {"rod_model": "space"}):
+                session = Session(prepare(None, scene | space, directory), Path(directory))
+                self.assertEqual([wall["about"] for wall in session.scene()["walls"]], [[1, 2, 0, 0, 0, -1], [1, -2, 0, 0, 0, 1], [0, -5, 0, 0, 0, 1]])
+                while session.sim.t < 0.3:
+                    session.step()
+                begin = session.sim.t
+                for line, angle in ((1, 0.4), (2, -1), (3, 0.1)):
+                    session.do_turn({"line": line, "angle": angle})
+                np.testing.assert_allclose(session.walls_now(begin)["1"], [0, 0, 0, -0.5 * begin])
+                while session.sim.t < begin + 0.1:
+                    session.step()
+                np.testing.assert_allclose([session.walls_now(session.sim.t)[line] for line in "123"],
+                                           [[0, 0, 0, 0.4], [0, 0.1 * session.sim.t, 0, -1], [0, 0, 0, 0.1]], atol=1e-12)
+                session.sim.save(Path(directory) / "turned.h5")
+                polygon, _, plane = (wall.at(session.sim.t) for wall in parse(tendril.load(Path(directory) / "turned.h5").attributes["walls"]))
+                c, s = np.cos(0.4), np.sin(0.4)
+                np.testing.assert_allclose(polygon.numbers[:4], [1, 2, 1 + 2 * c, 2 - 2 * s], atol=1e-12)
+                np.testing.assert_allclose(plane.numbers, [0, -5, -np.sin(0.1), np.cos(0.1)], atol=1e-12)
 
     def test_a_saved_scene_has_all_files_that_its_walls_name(self):
         from tendril.playing import prepare, save_scene
@@ -485,6 +513,11 @@ class Browser(Live):
             browser.press(" ", "Space")
             browser.drag(stone[:2], (stone[0] - 0.1 * stone[2], stone[1] - 0.35 * stone[2]))
             browser.until(f"({PAGE}.S.walls['1'] || [0, 0])[1] > 0.3")
+            # ... and turned by its handle, by a quarter to the left
+            knob = json.loads(browser.say(f"""(() => {{ const {{S, stage}} = {PAGE}, box = document.querySelector('.l-stage canvas').getBoundingClientRect();
+              return JSON.stringify(stage.handle(S.scene.walls[0], S.walls['1']).map(([x, y]) => [x + box.left, y + box.top])); }})()"""))
+            browser.drag(knob[1], (knob[0][0], knob[0][1] - (knob[1][0] - knob[0][0])))
+            browser.until(f"Math.abs({PAGE}.S.walls['1'][3] - Math.PI / 2) < 0.05")
             browser.until(f"{PAGE}.S.t > 1.2")
             browser.press(" ", "Space")
             browser.until(f"!{PAGE}.S.running")

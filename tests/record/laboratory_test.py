@@ -652,6 +652,29 @@ def paraview_plays_the_rod_in_time():
         played(vtkXdmfReader(), vtk_to_numpy, f"{d}/{name}", read(f"{d}/{name}.h5"))
 
 
+@check
+def paraview_plays_several_rods_each_as_its_line():
+    """ParaView's own reader has a line for each rod, with its number, through its nodes alone."""
+    try:
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+    except ImportError:
+        print("vtk is not installed: left out")
+        return
+    d = scene.SCRATCH
+    Path(f"{d}/two.opts").write_text("-growth_type feed\n-ts_max_time 0.1\n-output_shapes 2\n[rod a]\n-rod_cells 7\n-contact_diameter 0.01\n-contact_self\n"
+                                     "[rod b]\n-rod_cells 5\n-clamp_place 0,1,0\n")
+    tendril(f"-options_file {d}/two.opts -output {d}/two.h5")
+    reader, r = vtkXdmfReader(), read(f"{d}/two.h5")
+    played(reader, vtk_to_numpy, f"{d}/two", r)
+    grid = reader.GetOutputDataObject(0)
+    while grid.IsA("vtkMultiBlockDataSet"):
+        grid = grid.GetBlock(0)
+    lines = [[grid.GetCell(k).GetPointId(i) for i in range(grid.GetCell(k).GetNumberOfPoints())] for k in range(grid.GetNumberOfCells())]
+    expect(lines == [list(range(8)), list(range(8, 14))], f"lines {lines}")
+    expect(list(vtk_to_numpy(grid.GetCellData().GetArray("rod"))) == [0, 1], "numbers of the rods")
+
+
 def played(reader, vtk_to_numpy, name, r):
     """Each shape as the reader has it, of a rod in space with its vectors."""
     space = r["shapes/x"].shape[2] == 3

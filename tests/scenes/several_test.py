@@ -218,6 +218,7 @@ REFUSED = [  # (lines of a scene, more words, what is said)
     ("[rod a]\n-ts_max_time 3\n", "", "several.opts, line 2, rod a: -ts_max_time: is of the scene as a whole"),
     ("[rod a]\n-growth_zone 0.2\n", "", "several.opts, line 2, rod a: -growth_zone: nothing in this run reads it"),
     ("[rod a]\n", "-a_rod_curvature x", "-a_: -rod_curvature x: give a number"),
+    ("[rod a]\n[rod b]\n-change_file late.txt\n", "", "rod b: -change_file: at t = 0.005: rod_cells cannot be changed in a run"),
     ("[rod a]\n", "-b_rod_curvature 1", "-b_rod_curvature: unknown option"),
     ("[rod a]\n[rod b]\n[rod a]\n", "", "line 3: there is a [rod a] already"),
     ("[rod rod]\n", "", "line 1: a rod cannot be named rod"),
@@ -250,6 +251,7 @@ REFUSED = [  # (lines of a scene, more words, what is said)
 def what_is_wrong_is_told_with_rod_and_line():
     """One line each, and no result."""
     file("rod_curvature\n1\n", "bare.csv")
+    file("0.005 rod_cells 3\n", "late.txt")
     file("name, rod_curvature\na1, 1\na2, y\n", "bad.csv")
     file("name, rod_curvature\na1, 1\na1, 2\n", "twice.csv")
     for text, more, said in REFUSED:

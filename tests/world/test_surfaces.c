@@ -216,10 +216,10 @@ static void Carried(const char *text, Surfaces *surfaces) {
   for (PetscReal t = 0.05; t < 4; t += 0.1) {
     for (int k = -1; k <= 1; k++) {
       surfaces->time = t + k * h;
-      SurfacesCarry(surfaces, 0, 0, x, y[1 + k]);
+      MotionCarry(&surfaces->surface[0].motion, 0, surfaces->time, x, y[1 + k]);
     }
     surfaces->time = t;
-    SurfacesVelocity(surfaces, 0, y[1], v, spin);
+    MotionVelocityAt(&surfaces->surface[0].motion, t, y[1], v, spin);
     for (int d = 0; d < 3; d++)
       off = PetscMax(off, PetscAbsReal((y[2][d] - y[0][d]) / (2 * h) - v[d]));
     if (t > 3) EXPECT(v[0] == 0 && v[1] == 0 && v[2] == 0, "%s: moves at %g", text, (double)t);

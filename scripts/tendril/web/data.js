@@ -123,4 +123,17 @@ function along({ knots, pieces, ends }, t) {
 }
 
 // How far what moves has been carried along at a time.
-const shiftOf = (motion, t) => (motion.shift ? along(motion.shift, t) : motion.moves.map((v) => v * t));
+const shiftOf = ({ shift, moves = [0, 0, 0] }, t) => (shift ? along(shift, t) : moves.map((v) => v * t));
+
+// By what angle it has turned.
+const turnedBy = ({ angle, turns = [0] }, t) => (angle ? along(angle, t)[0] : turns[0] * t);
+
+// A line of a wall of the plane, [x, y, x, y, ...], where that is at a time.
+function lineAt(line, motion, t) {
+  const [dx, dy] = shiftOf(motion, t), [, x0, y0, , , , up] = motion.turns || [0, 0, 0, 0, 0, 0, 1], angle = Math.sign(up) * turnedBy(motion, t);
+  const c = Math.cos(angle), s = Math.sin(angle);
+  return line.map((_, i) => {
+    const k = i - i % 2, x = line[k] - x0, y = line[k + 1] - y0;
+    return i % 2 ? y0 + s * x + c * y + dy : x0 + c * x - s * y + dx;
+  });
+}

@@ -9,7 +9,17 @@ function unpackFrame(frame) {
   return made;
 }
 
-// A picture on a canvas. what() says what is to be drawn: {scene, frame, ghost, walls, hand, grabbed, colour, arrows}.
+// Where that of a wall is which is given at a place: turned by an angle about its axis, and displaced.
+function wallAt(wall, [dx, dy, dz, angle = 0] = [0, 0, 0]) {
+  if (!angle || !wall.about) return (x, y, z) => [x + dx, y + dy, z + dz];
+  const [px, py, pz, ax, ay, az] = wall.about, size = Math.hypot(ax, ay, az), [u, v, w] = [ax / size, ay / size, az / size], c = Math.cos(angle), s = Math.sin(angle);
+  return (X, Y, Z) => {
+    const x = X - px, y = Y - py, z = Z - pz, along = (1 - c) * (u * x + v * y + w * z);
+    return [px + c * x + s * (v * z - w * y) + along * u + dx, py + c * y + s * (w * x - u * z) + along * v + dy, pz + c * z + s * (u * y - v * x) + along * w + dz];
+  };
+}
+
+// A picture on a canvas. what() says what is to be drawn: {scene, frame, ghost, walls, hand, grabbed, picked, colour, arrows}.
 class Stage {
   constructor(canvas, what) {
     Object.assign(this, { canvas, what, fit: true, middle: [0, 0, 0], scale: 100, turn: -0.6, rise: 0.5, most: {} });
@@ -103,7 +113,7 @@ class Stage {
   }
 
   draw() {
-    const { scene, frame, ghost, walls, hand, lamp, pull, grabbed, colour, arrows } = this.what();
+    const { scene, frame, ghost, walls, hand, lamp, pull, grabbed, picked, colour, arrows } = this.what();
     const box = this.canvas.getBoundingClientRect(), ratio = devicePixelRatio || 1;
     if (!scene || !box.width) return;
     if (this.canvas.width !== Math.round(box.width * ratio) || this.canvas.height !== Math.round(box.height * ratio)) {
@@ -119,7 +129,7 @@ class Stage {
     ctx.lineCap = ctx.lineJoin = "round";
     if (frame) this.see(frame.x);
     if (this.fit) this.frameAll(scene, frame ? frame.x : [], lamp);
-    for (const wall of scene.walls) this.drawWall(wall, (walls || {})[wall.line] || [0, 0, 0], grabbed === wall.line, scene);
+    for (const wall of scene.walls) this.drawWall(wall, (walls || {})[wall.line], grabbed === wall.line);
     if (this.flat) this.drawRuler();
     if (ghost) this.drawRod(ghost, "#ccc", scene, null);
     if (frame) this.drawRod(frame, null, scene, colour);
@@ -128,28 +138,59 @@ class Stage {
     if (lamp) this.drawLamp(lamp);
     if (pull) this.drawPull(pull);
     if (frame && hand && Math.hypot(...hand) > 0) this.drawHand(frame, hand);
+    for (const wall of scene.walls) if (wall.line === picked && wall.about) this.drawHandle(wall, (walls || {})[wall.line]);
   }
 
-  line(points, n = 3) {
+  // what turns a wall: where its axis is on the screen, and the knob
+  handle(wall, place) {
+    const [px, py, pz, ax, ay, az] = wall.about, long = wall.circle ? wall.circle[2] + 26 / this.scale : 60 / this.scale;
+    const way = Math.abs(ax) > 0.9 * Math.hypot(ax, ay, az) ? [0, 1, 0] : [1, 0, 0], there = wallAt(wall, place);
+    const off = (way[0] * ax + way[1] * ay + way[2] * az) / (ax * ax + ay * ay + az * az), across = [way[0] - off * ax, way[1] - off * ay, way[2] - off * az];
+    const size = Math.hypot(...across) / long;
+    return [this.place(...there(px, py, pz)), this.place(...there(px + across[0] / size, py + across[1] / size, pz + across[2] / size))];
+  }
+
+  // is a turn about its axis to the left on the screen (1), or to the right (-1)?
+  sense(wall) {
+    const [right, up] = this.now, [a, b, c] = wall.about.slice(3);
+    return a * (right[1] * up[2] - right[2] * up[1]) + b * (right[2] * up[0] - right[0] * up[2]) + c * (right[0] * up[1] - right[1] * up[0]) < 0 ? -1 : 1;
+  }
+
+  drawHandle(wall, place) {
+    const { ctx } = this, [from, to] = this.handle(wall, place);
+    ctx.strokeStyle = HAND;
+    ctx.fillStyle = "#fff";
+    ctx.lineWidth = 2;
+    ctx.beginPath();
+    ctx.moveTo(...from);
+    ctx.lineTo(...to);
+    ctx.stroke();
+    ctx.beginPath();
+    ctx.arc(...to, 7, 0, 2 * Math.PI);
+    ctx.fill();
+    ctx.stroke();
+  }
+
+  line(points, n = 3, there = (...x) => x) {
     const { ctx } = this;
     ctx.beginPath();
     for (let i = 0; i + n - 1 < points.length; i += n) {
-      const [x, y] = this.place(points[i], points[i + 1], n > 2 ? points[i + 2] : 0);
+      const [x, y] = this.place(...there(points[i], points[i + 1], n > 2 ? points[i + 2] : 0));
       if (i) ctx.lineTo(x, y); else ctx.moveTo(x, y);
     }
   }
 
-  drawWall(wall, shift, grabbed, scene) {
-    const { ctx } = this, moved = (p, n) => Float64Array.from(p, (v, i) => v + shift[i % n]);
+  drawWall(wall, place, grabbed) {
+    const { ctx } = this, there = wallAt(wall, place);
     ctx.fillStyle = SOLID;
     ctx.strokeStyle = grabbed ? HAND : EDGE;
-    ctx.lineWidth = grabbed ? 2.5 : wall.moves ? 1.6 : 1;
+    ctx.lineWidth = grabbed ? 2.5 : 1.6;
     if (!this.flat && wall.vertices) {
-      this.drawMesh(wall, shift);
+      this.drawMesh(wall, there);
       return;
     }
     if (wall.circle) {
-      const [x, y, r] = wall.circle, [px, py] = this.place(x + shift[0], y + shift[1], (wall.height || 0) + shift[2]);
+      const [x, y, r] = wall.circle, [px, py] = this.place(...there(x, y, wall.height || 0));
       ctx.beginPath();
       if (wall.inside) ctx.rect(-10, -10, this.width + 20, this.height + 20);
       ctx.arc(px, py, r * this.scale, 0, 2 * Math.PI);
@@ -163,24 +204,24 @@ class Stage {
       ctx.beginPath();
       for (const ring of wall.rings)
         for (let i = 0; i < ring.length; i += 2) {
-          const [x, y] = this.place(ring[i] + shift[0], ring[i + 1] + shift[1], 0);
+          const [x, y] = this.place(...there(ring[i], ring[i + 1], 0));
           if (i) ctx.lineTo(x, y); else ctx.moveTo(x, y);
         }
       ctx.fill("evenodd");
     }
     for (const line of wall.lines || []) {
-      this.line(moved(line, 2), 2);
+      this.line(line, 2, there);
       ctx.stroke();
     }
   }
 
-  drawMesh(wall, shift) {
+  drawMesh(wall, there) {
     const { ctx } = this, v = wall.vertices, t = wall.triangles;
     ctx.globalAlpha = wall.inside ? 0.10 : 0.30;
     ctx.beginPath();
     const every = Math.max(1, Math.ceil(t.length / 3 / 3000));
     for (let i = 0; i + 2 < t.length; i += 3 * every) {
-      const p = [0, 1, 2].map((k) => this.place(v[3 * t[i + k]] + shift[0], v[3 * t[i + k] + 1] + shift[1], v[3 * t[i + k] + 2] + shift[2]));
+      const p = [0, 1, 2].map((k) => this.place(...there(v[3 * t[i + k]], v[3 * t[i + k] + 1], v[3 * t[i + k] + 2])));
       const [a, b, c] = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) < (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]) ? [p[0], p[2], p[1]] : p;  // all one way round
       ctx.moveTo(...a); ctx.lineTo(...b); ctx.lineTo(...c); ctx.closePath();
     }
@@ -188,7 +229,7 @@ class Stage {
     ctx.fill();
     ctx.globalAlpha = 0.7;
     for (const line of wall.lines3 || []) {
-      this.line(Float64Array.from(line, (x, i) => x + shift[i % 3]));
+      this.line(line, 3, there);
       ctx.stroke();
     }
     ctx.globalAlpha = 1;

@@ -187,7 +187,7 @@ function mount(root, connection) {
       make("div", { className: "l-controls" }, ...S.scene.controls.map(control)), page.tree);
     const options = make("details", {}, make("summary", { textContent: "options it began with" }), make("pre", { textContent: S.scene.options }));
     root.replaceChildren(make("div", { className: "l-run" }, left, make("div", {}, page.charts, options)));
-    stage = new Stage(canvas, () => ({ scene: S.scene, frame: shown(), ghost: ghostFrame(), walls: S.looking === null ? S.walls : {}, hand: S.hand, lamp: S.lamp, pull: S.pull, grabbed: S.grabbed,
+    stage = new Stage(canvas, () => ({ scene: S.scene, frame: shown(), ghost: ghostFrame(), walls: S.looking === null ? S.walls : {}, hand: S.hand, lamp: S.lamp, pull: S.pull, grabbed: S.grabbed, picked: S.picked,
       colour: S.colour || null, arrows: S.arrows }));
     setUnits();
     resize();
@@ -334,7 +334,7 @@ function mount(root, connection) {
     if (has("clamp_spin")) words.push(["q w e", "twist"]);
     const keys = make("div", { className: "l-keys" });
     for (const [key, text] of words) keys.append(make("span", { className: "l-key", textContent: key }), ` ${text}  `);
-    const drags = [S.scene.walls.some((w) => w.moves) && "stones", S.scene.lamp && "the lamp", S.scene.pulls && "the tip (a force)", S.scene.leads && "the held tip"].filter(Boolean);
+    const drags = [S.scene.walls.length && "stones (one that was touched has a handle, which turns it)", S.scene.lamp && "the lamp", S.scene.pulls && "the tip (a force)", S.scene.leads && "the held tip"].filter(Boolean);
     const told = drags.length ? `Drag ${drags.join(", ")}${S.scene.flat ? "; the rest moves the view" : "; the rest turns the view"}.` : "";
     return make("div", {}, tools, keys, make("div", { className: "l-keys", textContent: told }));
   }
@@ -360,15 +360,14 @@ function mount(root, connection) {
     const stoneAt = ([px, py]) => {
       let best = null, near = 14;
       for (const wall of S.scene.walls) {
-        if (!wall.moves) continue;
-        const shift = S.walls[wall.line] || [0, 0, 0];
+        const there = wallAt(wall, S.walls[wall.line]);
         if (wall.circle) {
-          const [x, y] = stage.place(wall.circle[0] + shift[0], wall.circle[1] + shift[1], (wall.height || 0) + shift[2]);
+          const [x, y] = stage.place(...there(wall.circle[0], wall.circle[1], wall.height || 0));
           const past = Math.hypot(px - x, py - y) - wall.circle[2] * stage.scale, off = wall.inside ? Math.abs(past) : Math.max(0, past);
           if (off < (wall.inside ? Math.min(near, 10) : near)) [best, near] = [wall, off];
         } else for (const line of wall.lines || [])
           for (let i = 0; i + 3 < line.length; i += 2) {
-            const a = stage.place(line[i] + shift[0], line[i + 1] + shift[1], 0), b = stage.place(line[i + 2] + shift[0], line[i + 3] + shift[1], 0);
+            const a = stage.place(...there(line[i], line[i + 1], 0)), b = stage.place(...there(line[i + 2], line[i + 3], 0));
             const l2 = (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 || 1, z = Math.max(0, Math.min(1, ((px - a[0]) * (b[0] - a[0]) + (py - a[1]) * (b[1] - a[1])) / l2));
             const off = Math.hypot(px - a[0] - z * (b[0] - a[0]), py - a[1] - z * (b[1] - a[1]));
             if (off < Math.min(near, 10)) [best, near] = [wall, off];
@@ -376,12 +375,19 @@ function mount(root, connection) {
       }
       return best;
     };
+    const handleAt = (at, wide) => S.scene.walls.find((wall) => {
+      if (wall.line !== S.picked || !wall.about) return false;
+      const [, to] = stage.handle(wall, S.walls[wall.line]);
+      return Math.hypot(at[0] - to[0], at[1] - to[1]) < wide;
+    });
+    const aboutPivot = (wall, at) => { const [from] = stage.handle(wall, S.walls[wall.line]); return Math.atan2(from[1] - at[1], at[0] - from[0]); };
     const move = (last) => {
-      if (!grip || !grip.to) return;
+      if (!grip || grip.to === undefined) return;
       const now = performance.now();
       if (!last && now - sent < 110) return;
       sent = now;
       if (grip.kind === "stone") send("wall", { line: grip.wall.line, shift: grip.to });
+      if (grip.kind === "handle") send("turn", { line: grip.wall.line, angle: grip.to });
       if (grip.kind === "hand") send("hand", { force: grip.to });
       if (grip.kind === "lead" || grip.kind === "lamp") send(grip.kind, { place: grip.to });
     };
@@ -397,21 +403,23 @@ function mount(root, connection) {
         return;
       }
       const tip = stage.tip(S.frame), wide = event.pointerType === "touch" ? 30 : 18;
-      const stone = stoneAt(at), lamp = S.lamp && stage.place(...S.lamp);
-      if (S.looking === null && Math.hypot(at[0] - tip[0], at[1] - tip[1]) < wide && (S.scene.pulls || S.scene.leads))
+      const stone = stoneAt(at), turned = S.looking === null && handleAt(at, wide), lamp = S.lamp && stage.place(...S.lamp);
+      if (turned) grip = { kind: "handle", wall: turned, angle: (S.walls[turned.line] || [])[3] || 0, seen: aboutPivot(turned, at) };
+      else if (S.looking === null && Math.hypot(at[0] - tip[0], at[1] - tip[1]) < wide && (S.scene.pulls || S.scene.leads))
         grip = { kind: S.scene.leads ? "lead" : "hand", from: at };
       else if (S.looking === null && lamp && Math.hypot(at[0] - lamp[0], at[1] - lamp[1]) < wide) grip = { kind: "lamp", from: at, start: S.lamp };
       else if (S.looking === null && stone) {
-        grip = { kind: "stone", wall: stone, from: at, shift: S.walls[stone.line] || [0, 0, 0] };
+        grip = { kind: "stone", wall: stone, from: at, shift: (S.walls[stone.line] || [0, 0, 0]).slice(0, 3) };
         S.grabbed = stone.line;
       } else grip = { kind: S.scene.flat ? "pan" : "turn", from: at };
+      S.picked = grip.wall ? grip.wall.line : null;
       event.preventDefault();
       canvas.focus({ preventScroll: true });
     };
     canvas.onpointermove = (event) => {
       const at = point(event), before = pointers.get(event.pointerId);
       if (!before) {
-        canvas.style.cursor = S.scene && S.frame && stage.now && (stoneAt(at) || Math.hypot(at[0] - stage.tip(S.frame)[0], at[1] - stage.tip(S.frame)[1]) < 18) ? "grab" : "default";
+        canvas.style.cursor = S.scene && S.frame && stage.now && (stoneAt(at) || handleAt(at, 18) || Math.hypot(at[0] - stage.tip(S.frame)[0], at[1] - stage.tip(S.frame)[1]) < 18) ? "grab" : "default";
         return;
       }
       if (pointers.size > 1) {
@@ -433,6 +441,12 @@ function mount(root, connection) {
       } else if (grip.kind === "stone") {
         grip.to = stage.way(at[0] - grip.from[0], at[1] - grip.from[1]).map((w, d) => w + grip.shift[d]);
         if (S.scene.flat) grip.to[2] = 0;
+        move(false);
+      } else if (grip.kind === "handle") {
+        const seen = aboutPivot(grip.wall, at), more = seen - grip.seen;
+        grip.angle += stage.sense(grip.wall) * Math.atan2(Math.sin(more), Math.cos(more));
+        grip.seen = seen;
+        grip.to = +grip.angle.toPrecision(6);
         move(false);
       } else if (grip.kind === "hand") {
         const tip = stage.tip(S.frame), way = stage.way(at[0] - tip[0], at[1] - tip[1]), px = Math.hypot(at[0] - tip[0], at[1] - tip[1]);

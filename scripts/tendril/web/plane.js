@@ -57,7 +57,7 @@ function drawWalls(u, run, f) {
   u.ctx.lineWidth = devicePixelRatio;
   for (const wall of run.walls) {
     u.ctx.beginPath();
-    const [dx, dy] = wall.motion ? shiftOf(wall.motion, t) : [0, 0], there = (line) => (wall.motion ? line.map((x, i) => x + (i % 2 ? dy : dx)) : line);
+    const there = (line) => (wall.motion ? lineAt(line, wall.motion, t) : line);
     for (const ring of wall.body) trace(u, there(ring), f);
     u.ctx.fill("evenodd");
     for (const line of wall.lines) polyline(u, there(line), f);

@@ -380,10 +380,10 @@ function drawSurface(run, { positions, index, lines }, group) {
 
 // A surface that moves, where it is at a time; what has no end is laid under the rod anew (solids.py).
 function carried(surface, t) {
-  const { turns: [rate, ...place] = [0, 0, 0, 0, 0, 0, 1], endless = [], middle = [0, 0, 0] } = surface.motion;
-  const { angle } = surface.motion, turn = angle ? along(angle, t)[0] : rate * t;
+  const { turns: [, ...place] = [0, 0, 0, 0, 0, 0, 1], endless = [], middle = [0, 0, 0] } = surface.motion;
+  const turn = turnedBy(surface.motion, t);
   const about = V(...place.slice(0, 3)), axle = V(...place.slice(3));
-  const to = about.clone().add(V(...shiftOf({ moves: [0, 0, 0], ...surface.motion }, t)));
+  const to = about.clone().add(V(...shiftOf(surface.motion, t)));
   const under = V(...middle).sub(to).applyAxisAngle(axle, -turn).add(about).sub(V(...middle)), laid = V(0, 0, 0);
   for (const d of endless) laid.addScaledVector(V(...d), under.dot(V(...d)));
   const moved = (points) => {

@@ -1395,5 +1395,89 @@ def walls_of_the_plane_that_move_are_surfaces_that_do():
     expect(height > 0.4 + 0.05 + 0.049, f"the post has gone through: {height}")
 
 
+@check
+def a_wall_of_the_plane_that_turns_takes_a_hinged_rod_along():
+    """A plane that turns about the hinge of a rod at the rate w, at whatever place and sense of its axis: the rod lies on it, and
+    the wall does what viscous friction takes, w^2 L^3/3, or dry, w L^2/2; both models."""
+    L, w, axes = 1.5, 0.4, ("0 0 0 0 0 1", "0 0 7 0 0 -2")
+    for name, options, power in (("viscous", "-friction_mu 0", w * w * L ** 3 / 3), ("viscous, in space", "-friction_mu 0 -rod_model space", w * w * L ** 3 / 3),
+                                 ("dry", "-friction_mu 1 -friction_beta 1e-6", w * L * L / 2)):
+        for axis in axes:
+            sign = -1 if "-" in axis else 1
+            r = Run(f"-growth_type none -growth_initial_length {L} -clamp_type hinged -shape_type straight -contact_diameter 0.1 -rod_cells 40 -ts_max_time 1.5 "
+                    f"-ts_rtol 1e-6 {options} " + walls(f"plane 0 -0.05 0 1 turns at -1 0  0 {sign * w}  2 {sign * 3 * w} about {axis}"))
+            off, angle = r.series["wall_power"][-1] / power - 1, np.arctan2(r.tip_x2[-1], r.tip_x1[-1]) - 1.5 * w
+            print(f"{name}, {axis}: {r.steps} steps, power off by {off:.1e}, angle by {angle:.1e}, defect {r.energy_defect[-1]:.1e}")
+            expect(abs(off) < (2e-5 if name == "viscous" else 1e-3) and abs(angle) < 1e-4 and r.energy_defect[-1] < 3e-4, f"{name}: {off}, {angle}, {r.energy_defect[-1]}")
+
+
+@check
+def walls_of_the_plane_that_turn_are_surfaces_that_do():
+    """Circle and plane that turn, and are carried along, a circle that rubs by turning: a rod in the plane feels them as one in
+    space feels them, and their likes; polygon and conduit in whatever frame; what has turned before the rod comes is what was
+    given so; their work is in the balance; a thin post that flies round takes the rod along."""
+    fed = "-growth_type feed -growth_initial_length 1 -shape_amplitude 0.05 -rod_cells 60 -ts_max_time 1.2 -contact_diameter 0.1 -ts_rtol 1e-6 "
+
+    def ends(r):
+        return np.array([r.tip_x1[-1], r.tip_x2[-1], np.abs(r.series["wall_power"]).max()])
+
+    drum, press = "turns at 0 0  0.6 0.6  1.5 -0.5 about 0.6 -0.75 0 0 0 1 friction 0.3", "moves 0 0.05 0 turns -0.1 0 -0.6 0 0 0 1 friction 0.2"
+    found = [ends(Run(fed + more + walls(circle + drum, plane + press))) for more, circle, plane in (
+        ("", "circle 1.6 -0.75 0.4 outside ", "plane 0 -0.6 0 1 "), ("-rod_model space ", "circle 1.6 -0.75 0.4 outside ", "plane 0 -0.6 0 1 "),
+        ("", "cylinder 1.6 -0.75 0 0 0 1 0.4 outside ", "plane 0 -0.6 0 0 1 0 "))]
+    off = [np.abs(found[k] - found[2]).max() for k in (0, 1)]
+    print(f"circle, plane: {found[0]}, in space off by {off}")
+    expect(found[2][2] > 0.1 and off[0] < 1e-2 * found[2][2] and np.abs(found[0] - found[2])[:2].max() < 1e-5 and off[1] < 1e-6, f"{found}")
+    turn, (c, s) = "-clamp_angle 30deg ", (np.cos(np.pi / 6), np.sin(np.pi / 6))
+
+    def place(x, y):
+        return f"{c * x - s * y:.15g} {s * x + c * y:.15g}"
+
+    corners, tips = ((1.2, -0.9), (2.4, -0.9), (1.6, -0.3)), []
+    for x in (lambda a, b: f"{a} {b}", place):
+        r = Run(fed + (turn if x is place else "") + walls(
+            f"polygon outside {' '.join(x(*p) for p in corners)} turns at 0 0  0.4 0  1 1.2 about {x(1.2, -0.9)} 0 0 0 1 friction 0.3",
+            f"path 0.5 {x(-0.5, 0)} {x(3.5, 0)} {x(3.5, 4)} turns -0.1 {x(0.3, 0.2)} 0 0 0 1"))
+        late = r.energy_defect[r.t > 0.1].max()
+        expect(np.abs(r.series["wall_power"]).max() > 0.1 and late < 1e-4, f"polygon, path: {late}")
+        tips.append(ends(r)[:2] @ ([[1, 0], [0, 1]] if x is not place else [[c, -s], [s, c]]))
+    print(f"polygon, path, turned: {np.abs(tips[0] - tips[1]).max():.1e}, defect {late:.1e}")
+    expect(np.abs(tips[0] - tips[1]).max() < 1e-8, f"turned: {tips}")
+    about = np.array((2.4, 0.2))
+    corners = np.array(((2.0, -0.5), (3, -0.4), (3, 0.6), (2.3, 0.4)))
+    turned = (corners - about) @ [[c, s], [-s, c]] + about
+    here, there = (f"polygon outside {' '.join(map(repr, np.ravel(p).tolist()))}" for p in (corners, turned))
+    late = fed.replace("-ts_max_time 1.2", "-ts_max_time 1.6") + "-rod_curvature 0.1 "
+    one, other = Run(late + walls(f"{here} turns at 0 0 0.3 30deg about {about[0]} {about[1]} 0 0 0 1 friction 0.3")), Run(late + walls(f"{there} friction 0.3"))
+    off = np.abs(one.shapes["x"][-1] - other.shapes["x"][-1]).max()
+    print(f"turned before: first touch at {one.t[one.contact_force > 0][0]:.2f}, off by {off:.1e}")
+    expect(one.t[one.contact_force > 0][0] > 0.3 and other.contact_force[-1] > 0 and off < 1e-5, f"off by {off}")
+    flies = "circle 0.9 -0.6 0.05 outside turns at 0 0  0.3 0  0.301 {} about {} 0 0 0 1"
+    for angle, pivot in ((0.5, "-1.1 -0.6"), (-0.5, "2.9 -0.6")):
+        for model in ("", "-rod_model space "):
+            r = Run(fed.replace("-ts_max_time 1.2", "-ts_max_time 0.32") + model + walls(flies.format(angle, pivot)))
+            x = r.shapes["x"][-1]
+            at = np.array([-1.1 if angle > 0 else 2.9, -0.6]) + 2 * np.array([np.cos(angle) * np.sign(angle), np.sin(abs(angle))])
+            near = np.hypot(*(x[:, :2] - at).T)
+            above = x[near.argmin(), 1] - at[1]
+            print(f"a post that flies round by {angle}: {r.steps} steps, the rod is {above:.3f} above it")
+            expect(above > 0.05, f"the post has gone through: {above}")
+
+
+def between_walls_that_turn():
+    return ("-growth_type feed -growth_initial_length 1 -shape_amplitude 0.05 -rod_cells 60 -ts_max_time 1 -contact_diameter 0.1 -ts_rtol 1e-5 "
+            + walls("circle 1.5 -0.65 0.4 outside turns at 0 0  0.5 0.5  0.8 0.2 about 0.6 -0.65 0 0 0 1 friction 0.4",
+                    "polygon outside 0.4 0.4 1 0.4 0.7 0.9 moves 0 -0.02 0 turns -0.3 0.7 0.5 0 0 0 1 friction 0.3"))
+
+
+@check
+def a_run_broken_between_walls_of_the_plane_that_turn_goes_on_as_the_whole():
+    """To the last bit, with exact friction, too."""
+    for more in ("", "-friction_beta 0 "):
+        whole, different = broken(between_walls_that_turn() + more, lambda run: np.searchsorted(run["series/t"], 0.6))
+        print(f"{len(whole['series/t'])} steps, different: {different}")
+        expect(np.isin((0.5, 0.8), whole["series/t"]).all() and whole["series/contact_force"].max() > 0 and not different, f"{different} differ")
+
+
 if __name__ == "__main__":
     sys.exit(scene.main())
