@@ -116,8 +116,8 @@ static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
   self->series_n = self->shapes_n = 0;
   self->stored += self->waits;
   self->waits = 0;
-  PetscCall(XdmfWrite(self->path, 1, self->nodes, self->times_n, self->times, self->scene->contact.any,
-                      self->scene->space.rod));
+  PetscCall(XdmfWrite(self->path, 1, self->nodes, self->times_n, self->times,
+                      self->scene->contact.any, self->scene->space.rod));
   PetscCall(PetscTime(&now));
   self->stored_at = now;
   self->cost = now - begin;
