@@ -10,9 +10,10 @@
 enum { RUBS = 4, SPIN = 3 };
 
 typedef struct {
-  PetscReal s, t;             /* label and time */
-  PetscReal x[3], axes[3][3]; /* position; tangent, and the two axes across */
-  PetscReal v[RUBS];          /* velocity of the material, and in space Load.arm times its spin */
+  PetscReal s, t;              /* label and time */
+  PetscReal from_base, to_tip; /* lengths of rod on both sides, where a law asks: ScenePlace() */
+  PetscReal x[3], axes[3][3];  /* position; tangent, and the two axes across */
+  PetscReal v[RUBS];           /* velocity of the material, and in space Load.arm times its spin */
 } Place;
 
 /* PlaceTurn2 - the axes of a place in the plane, of its tangent. */

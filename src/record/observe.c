@@ -521,7 +521,7 @@ static PetscErrorCode WorkWithin(Observer self, Rod rod, const PetscReal between
 /* Follows the balance of energy to what is seen: rank 0 does, and says when it needs to look within
    the step. Collective. */
 static PetscErrorCode MeasureBalance(Observer self, Rod rod, Vec U, Leg *leg, Observation *seen) {
-  PetscReal between[2] = {0, 0}; /* the interval to look within */
+  PetscReal between[] = {0, 0}; /* the interval to look within */
   Work work = {0};
   Balance *balance = &self->balance;
   PetscBool new =

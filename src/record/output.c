@@ -46,7 +46,7 @@ static PetscErrorCode Layout(Output self, HdfFile file) {
   PetscCall(HdfWrite(file, "/shapes/s", 1, &n, self->s, "1", "material label of the nodes [n]"));
   for (int i = 0; i < self->sets; i++) {
     const ShapeSet *set = &self->set[i];
-    PetscInt row[2] = {n, set->components};
+    PetscInt row[] = {n, set->components};
     PetscCall(HdfAppendable(file, set->name, (int)PetscMin(2, set->components), row, set->units,
                             set->text));
   }
@@ -116,8 +116,8 @@ static PetscErrorCode Stored(Output self, PetscLogDouble begin) {
   self->series_n = self->shapes_n = 0;
   self->stored += self->waits;
   self->waits = 0;
-  PetscCall(XdmfWrite(self->path, 1, self->nodes, self->times_n, self->times, self->scene->contact.any,
-                      self->scene->space.rod));
+  PetscCall(XdmfWrite(self->path, 1, self->nodes, self->times_n, self->times,
+                      self->scene->contact.any, self->scene->space.rod));
   PetscCall(PetscTime(&now));
   self->stored_at = now;
   self->cost = now - begin;

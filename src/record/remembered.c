@@ -172,7 +172,7 @@ PetscErrorCode RememberedWrite(HdfFile file, const RestartState *state) {
 /* RememberedWriteEach - writes the states of n rods, as RememberedWrite() that of all, behind it.
  */
 PetscErrorCode RememberedWriteEach(HdfFile file, PetscInt n, const RestartState state[]) {
-  const PetscInt dims[2] = {n, RESTART_STATE};
+  const PetscInt dims[] = {n, RESTART_STATE};
   PetscReal *value, *to;
 
   PetscFunctionBegin;

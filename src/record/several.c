@@ -58,7 +58,7 @@ static PetscReal Together(Of of, PetscInt n, const PetscReal value[]) {
 }
 
 static PetscErrorCode WriteSeries(const Several *self, HdfFile file) {
-  const PetscInt dims[2] = {self->each[0]->series_n, self->n};
+  const PetscInt dims[] = {self->each[0]->series_n, self->n};
   PetscReal *value, *all;
   char path[96];
 
@@ -236,7 +236,7 @@ static PetscErrorCode WriteAbout(const Several *self, HdfFile file, PetscReal t)
 static PetscErrorCode WritePlaces(const Several *self, HdfFile file, const char *name,
                                   PetscInt width, size_t from, const char *units,
                                   const char *text) {
-  const PetscInt dims[2] = {self->places, width};
+  const PetscInt dims[] = {self->places, width};
   PetscReal *value;
 
   PetscFunctionBegin;
@@ -251,7 +251,7 @@ static PetscErrorCode WritePlaces(const Several *self, HdfFile file, const char 
 
 /* Where rods touch, shape by shape. */
 static PetscErrorCode WritePairs(const Several *self, HdfFile file) {
-  const PetscInt dims[2] = {self->places, 2};
+  const PetscInt dims[] = {self->places, 2};
   PetscReal *which;
   PetscInt64 *first;
   PetscInt *row;
@@ -516,7 +516,7 @@ PetscReal SeveralSum(const Several *self, PetscInt observed, const PetscReal of_
 static PetscErrorCode TakeSeries(const Several *self, const char *from, int observed,
                                  PetscInt rows) {
   const PetscBool same = (PetscBool)(OfAll(observed) == SAME);
-  PetscInt dims[2] = {0, 1};
+  PetscInt dims[] = {0, 1};
   PetscReal *value;
   char path[96];
 

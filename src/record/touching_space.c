@@ -23,7 +23,7 @@ static void FeetsCell(Scene scene, PetscReal t, PetscInt i, PetscBool moves, con
                       const Sample3 *b, FootCell *cell) {
   PetscInt nodes;
   const PetscReal *s = SceneLabels(scene, &nodes);
-  const Sample3 *end[2] = {a, b};
+  const Sample3 *end[] = {a, b};
   CurveCell *curve = &cell->curve;
 
   *cell = (FootCell){.dims = 3, .moves = moves, .weight = {1. / 6, 4. / 6, 1. / 6}};

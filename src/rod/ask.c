@@ -263,8 +263,8 @@ static PetscBool Sticks(const struct _Scene *scene) {
 static PetscBool IsNotViscous(const struct _Scene *scene) {
   const Contact *contact = &scene->contact;
 
-  return (PetscBool)(scene->load.friction.mu != 0 || scene->load.friction.own ||
-                     scene->tip.law == TIP_RESISTANCE || ContactWallsRub(contact) ||
+  return (PetscBool)(!LoadIsLinear(&scene->load) || scene->tip.law == TIP_RESISTANCE ||
+                     ContactWallsRub(contact) ||
                      (ContactOfStrands(contact) && contact->friction > 0));
 }
 
@@ -304,7 +304,7 @@ PetscBool RodFeelsSpin(const Rod rod) {
 /* RodSwapSlopes - friction along it, and at its tip, has these slopes from now on; out: those that
    it had. */
 void RodSwapSlopes(Rod rod, FrictionNewton slope[2]) {
-  const FrictionNewton taken[2] = {slope[0], slope[1]};
+  const FrictionNewton taken[] = {slope[0], slope[1]};
 
   for (PetscInt k = 0; k < rod->rods; k++) {
     Scene scene = rod->each[k]->scene;

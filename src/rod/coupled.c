@@ -51,7 +51,7 @@ PetscErrorCode CoupledDestroy(Coupled *coupled) {
 /* CoupledOpen - the state of the whole rod, on every rank: of node i at u[i * fields], and of U_t
    likewise. Ends with CoupledClose(). Collective. */
 PetscErrorCode CoupledOpen(Coupled self, Vec U, Vec U_t, const PetscReal *u[2]) {
-  Vec v[2] = {U, U_t};
+  Vec v[] = {U, U_t};
 
   PetscFunctionBegin;
   for (int k = 0; k < 2; k++) {

@@ -115,7 +115,7 @@ static void StretchBy(const FootCell *cell, const FootEnd end[2], PetscReal z, c
 
 ALWAYS_INLINE void FixedBy(int dims, int node, const FootCell *cell, const FootEnd end[2],
                            const Foot *foot, const CurveMotion *m, Fixed *by) {
-  const CurveEnd *of[2] = {&end[0].curve, &end[1].curve};
+  const CurveEnd *of[] = {&end[0].curve, &end[1].curve};
   const PetscReal z = foot->on.z;
 
   CurvePlaceBy(dims, node, &cell->curve, of, z, by->x, by->slope);
@@ -132,7 +132,7 @@ static void SquareBy(const Contact *contact, const Foot *foot, const Touch *touc
   const PetscReal e = 1e-5 * (foot->rho + touch->gap);
 
   for (int d = 0; d < 3; d++) {
-    PetscReal square[2] = {0, 0};
+    PetscReal square[] = {0, 0};
     for (int side = 0; side < 2; side++) {
       PetscReal x[3] = {foot->on.x[0], foot->on.x[1], foot->on.x[2]};
       Touch there;

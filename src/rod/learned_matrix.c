@@ -115,7 +115,7 @@ static void PutMid(const Rod rod, PetscInt i, const LearnedCell *cell, const Row
 static void PutEquations(const Rod rod, const LearnedCell *cell, const PetscReal *left,
                          const PetscReal *right, PetscBool before, PetscInt a, const Rows *rows) {
   const Learned self = rod->learned;
-  const PetscReal *J[2] = {left, right};
+  const PetscReal *J[] = {left, right};
 
   for (PetscInt r = 0; r < self->mech; r++) {
     if (LearnedIsBefore(rod, r) != before) continue;

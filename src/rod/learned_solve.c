@@ -86,7 +86,7 @@ ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const 
   const PetscInt at = i - rod->first + 1, n = size.n, from = clocked ? 0 : size.from,
                  to = clocked ? n : size.to;
   LearnedFactor *factor = &self->cell[at];
-  PetscReal *const J[2] = {left, right};
+  PetscReal *const J[] = {left, right};
 
   MakeMid(rod, 2 * at + 1, cell, shift, clocked, size, factor);
   for (int k = 0; k < 3; k++)
@@ -109,7 +109,7 @@ ALWAYS_INLINE void Condense(Rod rod, PetscInt i, const LearnedCell *cell, const 
    too. */
 ALWAYS_INLINE void CellTimes(const LearnedFactor *factor, const PetscReal *a, const PetscReal *mid,
                              const PetscReal *b, Size size, PetscReal r[]) {
-  const PetscReal *end[2] = {a, b};
+  const PetscReal *end[] = {a, b};
 
   for (PetscInt c = 0; c < size.bends; c++) {
     PetscReal in = mid[c];
@@ -186,8 +186,8 @@ ALWAYS_INLINE void UnfoldMid(const Rod rod, PetscInt i, const PetscReal signal[]
   const PetscInt at = i - rod->first + 1, place = 2 * at + 1, n = size.n, per = self->per;
   const LearnedFactor *cell = &self->cell[at];
   const PetscReal *rhs = self->rhs + place * per,
-                  *x[2] = {self->beside + at * n, self->beside + (at + 1) * n},
-                  *end[2] = {k, k + 2 * per};
+                  *x[] = {self->beside + at * n, self->beside + (at + 1) * n},
+                  *end[] = {k, k + 2 * per};
   PetscReal *mid = k + per;
 
   for (PetscInt b = 0; b < size.bends; b++) {

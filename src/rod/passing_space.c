@@ -139,7 +139,7 @@ static Verdict SweptVerdict(const Look *look, const PetscReal x[3], PetscReal r,
 
 /* Has the curve swept anything on its way from b0 to b1, all points on straight lines? */
 static PetscBool SweepIsBehind(const Look *look, Bezier b0, Bezier b1, int depth) {
-  PetscReal r[2] = {0, 0}, mid[3], fine, reach = 0; /* r: along the curve, along the way */
+  PetscReal r[] = {0, 0}, mid[3], fine, reach = 0; /* r: along the curve, along the way */
   Bezier half[2][2], now;
   Verdict verdict;
 

@@ -25,7 +25,7 @@ static void MotionOf(const struct _Strands *self, const Spot *spot, CurveMotion 
 ALWAYS_INLINE void MotionBy(int dims, const struct _Strands *self, const Spot *spot,
                             const CurveMotion *m, CurveBy t, CurveBy v) {
   const Joint *joint = self->joint + spot->cell;
-  const CurveEnd *end[2] = {&joint[0].by, &joint[1].by};
+  const CurveEnd *end[] = {&joint[0].by, &joint[1].by};
   CurveBy x, slope;
   CurveCell cell;
 
@@ -148,7 +148,7 @@ static void TurningOf(const struct _Strands *self, const Spot *spot, const Curve
 }
 
 static void RubInSpace(const struct _Strands *self, Pair *pair, const CurveMotion motion[2]) {
-  const Spot *spot[2] = {&pair->at, &pair->foot};
+  const Spot *spot[] = {&pair->at, &pair->foot};
   PetscReal normal, v[3], w[4];
 
   for (int d = 0; d < 3; d++) v[d] = motion[0].v[d] - motion[1].v[d];

@@ -57,7 +57,7 @@ static Zone *Nearest(const Zones *zones, PetscReal at, PetscInt a, PetscInt b) {
 
 /* Adds what a pair has, whose sample is on the zone's first rod, or else on its second. */
 static void AddToZone(const struct _Strands *self, const Pair *pair, PetscBool second, Zone *zone) {
-  const Spot *spot[2] = {second ? &pair->foot : &pair->at, second ? &pair->at : &pair->foot};
+  const Spot *spot[] = {second ? &pair->foot : &pair->at, second ? &pair->at : &pair->foot};
   PetscReal share[2], f[3], length;
 
   PairShares(self, pair, share);

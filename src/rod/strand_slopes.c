@@ -6,7 +6,7 @@
 ALWAYS_INLINE void SpotBy(int dims, const struct _Strands *self, const Spot *spot, CurveBy x,
                           CurveBy slope) {
   const Joint *joint = self->joint + spot->cell;
-  const CurveEnd *end[2] = {&joint[0].by, &joint[1].by};
+  const CurveEnd *end[] = {&joint[0].by, &joint[1].by};
   CurveCell cell;
 
   StrandCell(self, spot->cell, &cell);

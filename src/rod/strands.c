@@ -497,7 +497,7 @@ static void AddToSum(Strands self, const Pair *pair) {
 
 static void Nearest(Strands self, const Pair *pair) {
   const PetscReal *s = self->s;
-  const Spot *spot[2] = {&pair->at, &pair->foot};
+  const Spot *spot[] = {&pair->at, &pair->foot};
   StrandSum *sum = &self->rod[self->of[pair->at.cell]].sum;
 
   if (!pair->apart || pair->gap >= sum->nearest) return;
@@ -514,7 +514,7 @@ static void Zones(Strands self) {
   for (PetscInt r = 0; r < self->rods; r++) {
     const PetscInt sample = self->rod[r].sample,
                    end = r + 1 < self->rods ? self->rod[r + 1].sample : self->samples;
-    PetscInt before[2] = {-2, -2};
+    PetscInt before[] = {-2, -2};
     for (PetscInt head = self->sides * sample; head < self->sides * end; head++)
       for (PetscInt k = self->first[head]; k >= 0; k = self->pair[k].next) {
         const Pair *pair = &self->pair[k];

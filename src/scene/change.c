@@ -34,7 +34,7 @@ static const char *RefusesTip(Scene scene, PetscReal t) {
 }
 
 static const char *RefusesFriction(Scene scene, PetscReal t) {
-  if (scene->load.friction.own) return "the friction law of one's own says it";
+  if (LoadHas(&scene->load, &friction_own)) return "the friction law of one's own says it";
   if (scene->load.shared || scene->load.limit || LoadIsDry(&scene->load))
     return "in a run that began with dry friction it stays as it was";
   return NULL;
@@ -159,7 +159,7 @@ static PetscErrorCode ChangeFeed(Scene scene, const Asked *asked) {
 }
 
 static const char *RefusesFactor(Scene scene, PetscReal t) {
-  return scene->load.friction.own ? "the friction law of one's own says it" : NULL;
+  return LoadHas(&scene->load, &friction_own) ? "the friction law of one's own says it" : NULL;
 }
 
 static PetscErrorCode ChangeFactor(Scene scene, const Asked *asked) {

@@ -212,6 +212,19 @@ PetscErrorCode SceneStretch(Scene scene, PetscReal s, PetscReal t, PetscReal *g)
   PetscFunctionReturn(0);
 }
 
+/* ScenePlaceAlong - of a place whose label and time are known: how much of the rod is behind it,
+   and before it. */
+PetscErrorCode ScenePlaceAlong(Scene scene, Place *at) {
+  const PetscReal label[] = {at->s, 1};
+  PetscReal length[] = {0, 0};
+
+  PetscFunctionBegin;
+  PetscCall(GrowthArc(scene->growth, 2, label, at->t, length, NULL));
+  at->from_base = length[0];
+  at->to_tip = length[1] - length[0];
+  PetscFunctionReturn(0);
+}
+
 /* SceneMaterial - what the rod's own laws give at the label s and time t. */
 PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at) {
   PetscReal B, B_t;
@@ -241,7 +254,8 @@ void SceneAtTolerance(Scene scene, PetscReal rtol) {
   if (scene->load.limit) scene->contact.rub.beta = scene->load.friction.beta;
 }
 
-/* What does not go with growth that feels force: strands that touch, of which V and L are not told.
+/* What does not go with growth that feels force: strands that touch, of which V and L are not told,
+   and friction that varies along a rod whose length is an unknown.
    And what is given at labels, if the rod grows all along: its material slides past them then. */
 static PetscErrorCode CheckYield(Scene scene) {
   static const char *const at_labels[] = {"-rod_curvature_file", "-rod_curvature_random"};
@@ -249,6 +263,11 @@ static PetscErrorCode CheckYield(Scene scene) {
 
   PetscFunctionBegin;
   if (scene->growth->yield == 0) PetscFunctionReturn(0);
+  UserCheck(
+      !LoadAlong(&scene->load), OptionsComm(),
+      "%s: not of a rod whose growth feels force (-growth_yield), and with it its length; leave "
+      "one out",
+      LoadAlong(&scene->load));
   UserCheck(!scene->contact.self, OptionsComm(),
             "-contact_self: not of a rod whose growth feels force (-growth_yield); leave one out");
   for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(at_labels); k++) {

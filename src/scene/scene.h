@@ -93,6 +93,7 @@ void SceneAtSpeed(Scene scene, PetscReal speed);
 const PetscReal *SceneLabels(Scene scene, PetscInt *nodes);
 PetscErrorCode SceneLength(Scene scene, PetscReal t, PetscReal *length);
 PetscErrorCode SceneStretch(Scene scene, PetscReal s, PetscReal t, PetscReal *g);
+PetscErrorCode ScenePlaceAlong(Scene scene, Place *at);
 PetscErrorCode SceneMaterial(Scene scene, PetscReal s, PetscReal t, Material *at);
 void SceneRemember(Scene scene, SceneMemory *memory);
 PetscErrorCode SceneRecall(Scene scene, const SceneMemory *memory);
@@ -146,11 +147,12 @@ static inline void ScenePlaceToLab(const struct _Scene *scene, const PetscReal x
   for (int d = 0; d < 3; d++) lab[d] += scene->space.place[d];
 }
 
-/* Says of a place which it is, by its label and the time. The rest of it is the caller's. */
+/* Says of a place which it is: label, time and, where a law asks for it, how much of the rod is on
+   both sides. The rest of it is the caller's. */
 static inline PetscErrorCode ScenePlace(Scene scene, PetscReal s, PetscReal t, Place *at) {
   at->s = s;
   at->t = t;
-  return (PetscErrorCode)0;
+  return scene->load.along ? ScenePlaceAlong(scene, at) : (PetscErrorCode)0;
 }
 
 /* The natural curvature at the label s and time t, and the rate at which it changes for the

@@ -6,9 +6,10 @@
  */
 PetscBool StraightScales(Scene scene) {
   return (PetscBool)(scene->growth->even && scene->growth->similar && scene->growth->rate == 1 &&
-                     scene->load.factor == 1 && scene->stiffness.all == 1 && !scene->load.moves &&
-                     !scene->stiffness.varies && scene->tip.force == 0 && scene->tip.push[0] == 0 &&
-                     scene->tip.type == TIP_FREE && !StraightIsTwisted(scene));
+                     scene->load.factor == 1 && !scene->load.along && scene->stiffness.all == 1 &&
+                     !scene->load.moves && !scene->stiffness.varies && scene->tip.force == 0 &&
+                     scene->tip.push[0] == 0 && scene->tip.type == TIP_FREE &&
+                     !StraightIsTwisted(scene));
 }
 
 /* The speed at which the rod feels friction: where it rests, exact friction holds it against
@@ -24,16 +25,18 @@ static PetscReal Seen(const Load *load, PetscReal V) {
           load there
 */
 PetscErrorCode StraightAt(Scene scene, PetscReal s, PetscReal t, StraightMotion *motion) {
-  PetscReal x[3] = {0}, slope[3];
+  Place at = {.axes = {{1}}};
+  PetscReal slope[3];
 
   PetscFunctionBegin;
   PetscCall(GrowthStretch(scene->growth, 1, &s, t, &motion->g, NULL, &motion->g_s));
   PetscCall(GrowthArc(scene->growth, 1, &s, t, &motion->p, &motion->p_t));
   motion->c = GrowthSlide(scene->growth, s, t);
   motion->V = GrowthSpeed(scene->growth, s, t, motion->p_t);
-  x[0] = motion->p;
-  motion->N = LoadFactor(&scene->load, x, t, slope);
-  motion->drag = LoadAxialDrag(&scene->load, Seen(&scene->load, motion->V)) * motion->N;
+  PetscCall(ScenePlace(scene, s, t, &at));
+  at.x[0] = motion->p;
+  motion->N = LoadFactor(&scene->load, at.x, t, slope);
+  motion->drag = LoadAxialDrag(&scene->load, &at, Seen(&scene->load, motion->V)) * motion->N;
   PetscFunctionReturn(0);
 }
 
@@ -76,9 +79,10 @@ static PetscErrorCode AxialLoad(Scene scene, PetscReal s, PetscReal t, PetscReal
 
 /* P for uniform growth, V = s, and for feed, V = 1, exactly. */
 static PetscReal CompressionExact(Scene scene, PetscReal s, PetscReal t) {
+  const Place at = {.s = s, .t = t};
   PetscReal L = scene->growth->initial_length + t,
             weight = scene->load.weighs ? L * (1 - s) * scene->load.weight[0] : 0;
-  if (scene->growth->slides) return L * (1 - s) * LoadAxialDrag(&scene->load, 1) - weight;
+  if (scene->growth->slides) return L * (1 - s) * LoadAxialDrag(&scene->load, &at, 1) - weight;
   return L * LoadAxialBetween(&scene->load, s, 1) - weight;
 }
 

@@ -35,11 +35,12 @@ static PetscReal LawAt(const Shot *self, PetscReal p) {
 /* How V and u change along the rod. */
 static void Slope(const Shot *self, PetscReal p, const PetscReal y[2], PetscReal f[2]) {
   const Load *load = &self->scene->load;
-  PetscReal x[3] = {p, 0, 0}, slope[3];
-  const PetscReal N = load->moves ? LoadFactor(load, x, self->t, slope) : 1;
+  const Place at = {.s = p / self->L, .t = self->t, .x = {p}};
+  PetscReal slope[3];
+  const PetscReal N = load->moves ? LoadFactor(load, at.x, self->t, slope) : 1;
 
   f[0] = y[1] > 0 ? LawAt(self, p) * y[1] : 0;
-  f[1] = (N * LoadAxialDrag(load, y[0]) * y[0] - (load->weighs ? load->weight[0] : 0)) /
+  f[1] = (N * LoadAxialDrag(load, &at, y[0]) * y[0] - (load->weighs ? load->weight[0] : 0)) /
          self->scene->growth->yield;
 }
 

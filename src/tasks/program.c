@@ -37,7 +37,14 @@ static const OptionGroup *const table[] = {
 
 /* ProgramSetTable - tells of the options that there are. Not collective. */
 void ProgramSetTable(void) {
-  OptionsSetTable(PETSC_STATIC_ARRAY_LENGTH(table), table);
+  static const OptionGroup *all[PETSC_STATIC_ARRAY_LENGTH(table) + ALL_FRICTION_LAWS];
+  size_t n = 0;
+
+  for (size_t k = 0; k < PETSC_STATIC_ARRAY_LENGTH(table); k++) {
+    all[n++] = table[k];
+    if (table[k] == &load_options) n += LoadLawOptions(all + n);
+  }
+  OptionsSetTable(n, all);
 }
 
 /* ProgramRun - does what the options ask for (-task), from the scene to the result. Collective;

@@ -125,7 +125,7 @@ static const PetscReal most_smooth = 0.01;
 
 /* Posts less wide than this many cells are met at their feet in part, than so many in full: of the
    others the collocation points are near enough to each other to feel them. */
-static const PetscReal cells_of_post[2] = {2, 1};
+static const PetscReal cells_of_post[] = {2, 1};
 
 /* ContactNeedsCell - does the law of contact depend on how long the cells are? */
 PetscBool ContactNeedsCell(const Contact *contact) {

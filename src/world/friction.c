@@ -12,16 +12,16 @@ const OptionGroup friction_options = OPTION_GROUP_OF_ROD("Friction", rows);
 
 /* FrictionSetFromOptions - reads and checks the friction law's options. */
 PetscErrorCode FrictionSetFromOptions(Friction *friction) {
+  const PetscBool own = (PetscBool)(OptionsLaw(OWN_FRICTION) != NULL);
   PetscInt choice;
 
   PetscFunctionBegin;
-  friction->own = OptionsLaw(OWN_FRICTION);
-  if (friction->own) PetscCall(OptionDefault("-friction_mu", "0"));
+  if (own) PetscCall(OptionDefault("-friction_mu", "0"));
   PetscCall(OptionReal("-friction_mu", &friction->mu, NULL));
-  friction->viscous = 1 - friction->mu;
+  friction->viscous = own ? 0 : 1 - friction->mu;
   friction->least = friction->fast = 0;
   PetscCall(OptionReal("-friction_beta", &friction->beta, NULL));
-  UserCheck(!friction->own || friction->mu == 0, OptionsComm(),
+  UserCheck(!own || friction->mu == 0, OptionsComm(),
             "-friction_mu: the friction law of one's own says all of it; give 0, or take this out");
   PetscCall(OptionWord("-friction_newton", &choice, NULL));
   friction->newton = (FrictionNewton)choice;
@@ -76,29 +76,12 @@ ALWAYS_INLINE void Slope(const Friction *law, int n, const PetscReal v[], const 
                      v2 = FrictionSquare(n, v), viscous = FrictionViscous(law, v2), rises = 0;
 
   if (law->least > 0) rises = 2 * law->least * PetscSqr(law->fast / (v2 + law->fast * law->fast));
-  if (law->own) rises = 2 * FrictionOwn(law, v2, 1);
   for (int i = 0; i < n; i++)
     for (int j = 0; j < n; j++) {
       PetscReal w = law->newton == NEWTON_PRIMAL ? u[i] * inverse : dual->w[i];
       slope[i][j] = (i == j) * (viscous + d) - d * w * (u[j] * inverse);
       if (rises != 0) slope[i][j] += rises * v[i] * v[j];
     }
-}
-
-/* FrictionOwnBetween - FrictionBetween() of a law of one's own, by Gauss's rule: exact for a phi
-   that is a polynomial of degree 8. */
-PetscReal FrictionOwnBetween(const Friction *law, PetscReal a, PetscReal b) {
-  static const PetscReal point[5] = {-0.9061798459386640, -0.5384693101056831, 0,
-                                     0.5384693101056831, 0.9061798459386640},
-                         weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
-                                      0.4786286704993665, 0.2369268850561891};
-  PetscReal sum = 0;
-
-  for (int k = 0; k < 5; k++) {
-    const PetscReal v = (a + b) / 2 + (b - a) / 2 * point[k];
-    sum += weight[k] * FrictionOwn(law, v * v, 0) * v;
-  }
-  return sum * (b - a) / 2;
 }
 
 /*

@@ -16,11 +16,10 @@ typedef enum { NEWTON_PRIMAL, NEWTON_PRIMAL_DUAL } FrictionNewton;
 typedef struct {
   PetscReal mu;      /* dry share, in [0,1] */
   PetscReal beta;    /* regularisation of |v|^2; 0: exact Coulomb friction */
-  PetscReal viscous; /* viscous share: 1 - mu */
+  PetscReal viscous; /* viscous share: 1 - mu; 0 where a law of one's own says all of it */
   PetscReal least;   /* what there is of it above a speed, fast, if it is less; else 0 */
   PetscReal fast;
   FrictionNewton newton;
-  OwnLaw *own; /* phi; NULL: as above */
 } Friction;
 
 /* What Newton's method remembers of one friction point: the velocity and the dual w (the dry force
@@ -33,7 +32,6 @@ typedef struct {
 extern const OptionGroup friction_options;
 
 PetscErrorCode FrictionSetFromOptions(Friction *friction);
-PetscReal FrictionOwnBetween(const Friction *law, PetscReal a, PetscReal b);
 
 /* n, here and below: how many components rub. 1: along a line, 2 in the plane, RUBS in space. */
 void FrictionFollow(int n, const Friction *law, const PetscReal v[], PetscBool fresh,
@@ -64,15 +62,6 @@ static const PetscReal friction_tiny = 1e-12;
    rope may lie next to sliding for long. */
 static const PetscReal friction_hold = 10, friction_hold_contact = 100;
 
-/* Of a law of one's own: phi, or its derivative by |v|^2. */
-static inline PetscReal FrictionOwn(const Friction *law, PetscReal v2, int which) {
-  const TendrilPlace at = {.speed2 = v2};
-  PetscReal value[OWN_VALUES] = {0};
-
-  OwnValue(law->own, &at, value);
-  return value[which];
-}
-
 /* |v|^2 */
 static inline PetscReal FrictionSquare(int n, const PetscReal v[]) {
   PetscReal sum = v[0] * v[0];
@@ -92,13 +81,11 @@ static inline PetscReal FrictionRadius(int n, const Friction *law, const PetscRe
 static inline Friction FrictionDry(Friction law) {
   law.mu = 1;
   law.viscous = law.least = 0;
-  law.own = NULL;
   return law;
 }
 
-/* Viscous friction, over v, given |v|^2; all of it, where the law is one's own. */
+/* Viscous friction, over v, given |v|^2. */
 static inline PetscReal FrictionViscous(const Friction *law, PetscReal v2) {
-  if (law->own) return FrictionOwn(law, v2, 0);
   if (law->least == 0) return law->viscous;
   return law->viscous + law->least * v2 / (v2 + law->fast * law->fast);
 }
@@ -131,7 +118,6 @@ static inline PetscReal FrictionBetween(const Friction *law, PetscReal a, PetscR
       law->mu * (PetscSqrtReal(b * b + law->beta) - PetscSqrtReal(a * a + law->beta)) +
       law->viscous * rise / 2;
 
-  if (law->own) return FrictionOwnBetween(law, a, b);
   if (law->least > 0) between += law->least * (rise - F2 * log1p(rise / (a * a + F2))) / 2;
   return between;
 }

@@ -33,6 +33,109 @@ static PetscErrorCode ReadField(Load *load) {
   PetscFunctionReturn(0);
 }
 
+#define LISTED(law) &law,
+static const FrictionLaw *const laws[] = {FRICTION_LAWS(LISTED)};
+#undef LISTED
+
+/* LoadLawOptions - the options that laws beside the built-in one have: adds their groups, and says
+   how many these are; at most ALL_FRICTION_LAWS. */
+size_t LoadLawOptions(const OptionGroup *groups[]) {
+  size_t n = 0;
+
+  for (int k = 0; k < ALL_FRICTION_LAWS; k++)
+    if (laws[k]->options) groups[n++] = laws[k]->options;
+  return n;
+}
+
+static PetscErrorCode ReadLaws(Load *load) {
+  PetscFunctionBegin;
+  load->laws = 0;
+  load->along = PETSC_FALSE;
+  for (int k = 0; k < ALL_FRICTION_LAWS; k++) {
+    LoadLaw law = {.kind = laws[k]};
+    PetscCall(law.kind->create(&law.known));
+    if (!law.known) continue;
+    load->law[load->laws++] = law;
+    load->along = (PetscBool)(load->along || law.kind->along);
+  }
+  PetscFunctionReturn(0);
+}
+
+/* LoadHas - was this law asked for? */
+PetscBool LoadHas(const Load *load, const FrictionLaw *kind) {
+  for (int k = 0; k < load->laws; k++)
+    if (load->law[k].kind == kind) return PETSC_TRUE;
+  return PETSC_FALSE;
+}
+
+/* LoadAlong - the option by which friction varies along the rod, whatever its place; NULL: none. */
+const char *LoadAlong(const Load *load) {
+  for (int k = 0; k < load->laws; k++)
+    if (load->law[k].kind->along) return load->law[k].kind->option;
+  return NULL;
+}
+
+/* LoadIsLinear - is friction along the rod so by the velocity? */
+PetscBool LoadIsLinear(const Load *load) {
+  for (int k = 0; k < load->laws; k++)
+    if (!load->law[k].kind->linear) return PETSC_FALSE;
+  return (PetscBool)(load->friction.mu == 0);
+}
+
+/* LoadDrag - F/v by all laws beside the built-in one, and its derivative by |v|^2. */
+void LoadDrag(const Load *load, const Place *at, PetscReal speed2, PetscReal drag[]) {
+  drag[0] = drag[1] = 0;
+  for (int k = 0; k < load->laws; k++) {
+    PetscReal part[] = {0, 0};
+    load->law[k].kind->drag(load->law[k].known, at, speed2, part);
+    drag[0] += part[0];
+    drag[1] += part[1];
+  }
+}
+
+/* LoadRubLaws - adds what they do to f. */
+void LoadRubLaws(int n, const Load *load, const Place *at, const PetscReal W[], PetscReal f[]) {
+  PetscReal drag[] = {0, 0};
+
+  LoadDrag(load, at, FrictionSquare(n, W), drag);
+  for (int d = 0; d < n; d++) f[d] += drag[0] * W[d];
+}
+
+/* LoadRubLawsSlope - ... and to its slope by W. */
+void LoadRubLawsSlope(int n, const Load *load, const Place *at, const PetscReal W[],
+                      PetscReal slope[RUBS][RUBS]) {
+  PetscReal drag[] = {0, 0};
+
+  LoadDrag(load, at, FrictionSquare(n, W), drag);
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++) {
+      slope[i][j] += (i == j) * drag[0];
+      slope[i][j] += 2 * drag[1] * W[i] * W[j];
+    }
+}
+
+/*
+  LoadAxialBetween - the axial load on a piece of straight rod of unit length, whose speed rises
+  evenly from a to b, times b - a; N = 1, and no law varies along the rod. Of laws beside the
+  built-in one by Gauss's rule: exact for a phi that is a polynomial of degree 8.
+*/
+PetscReal LoadAxialBetween(const Load *load, PetscReal a, PetscReal b) {
+  static const PetscReal point[5] = {-0.9061798459386640, -0.5384693101056831, 0,
+                                     0.5384693101056831, 0.9061798459386640},
+                         weight[5] = {0.2369268850561891, 0.4786286704993665, 0.5688888888888889,
+                                      0.4786286704993665, 0.2369268850561891};
+  const Place at = {.s = 0};
+  PetscReal sum = 0;
+
+  for (int k = 0; k < 5 && load->laws; k++) {
+    const PetscReal v = (a + b) / 2 + (b - a) / 2 * point[k];
+    PetscReal drag[] = {0, 0};
+    LoadDrag(load, &at, v * v, drag);
+    sum += weight[k] * drag[0] * v;
+  }
+  return FrictionBetween(&load->friction, a, b) + sum * (b - a) / 2;
+}
+
 /*
   LoadSetFromOptions - reads and checks the options of all terms. Collective; the caller ends it
   with LoadDestroy(), also after an error.
@@ -42,6 +145,7 @@ PetscErrorCode LoadSetFromOptions(Load *load) {
 
   PetscFunctionBegin;
   PetscCall(FrictionSetFromOptions(&load->friction));
+  PetscCall(ReadLaws(load));
   load->viscous = 1 - load->friction.mu;
   PetscCall(OptionReal("-friction_across", &load->across, NULL));
   PetscCall(ReadField(load));
@@ -88,6 +192,10 @@ void LoadSetFactor(Load *load, PetscReal factor) {
 PetscErrorCode LoadDestroy(Load *load) {
   PetscFunctionBegin;
   PetscCall(FieldDestroy(&load->field));
+  for (; load->laws > 0; load->laws--) {
+    LoadLaw *law = &load->law[load->laws - 1];
+    if (law->kind->destroy) PetscCall(law->kind->destroy(&law->known));
+  }
   PetscFunctionReturn(0);
 }
 
@@ -140,7 +248,7 @@ static void VarySlopeInPlane(const Load *load, const Place *at, const FrictionDu
     across = N * a * (perp[0] * slope->W[0][c] + perp[1] * slope->W[1][c]);
     for (int d = 0; d < DIMS; d++) slope->W[d][c] = along * q[d] + across * perp[d];
   }
-  FrictionForce(DIMS, &load->friction, at->v, dual, f);
+  LoadRub(DIMS, load, at, at->v, dual, f);
   along = q[0] * f[0] + q[1] * f[1];
   across = perp[0] * f[0] + perp[1] * f[1];
   for (int d = 0; d < DIMS; d++) {
@@ -162,7 +270,7 @@ static void VarySlopeInSpace(const Load *load, const Place *at, const PetscReal 
     for (int d = 0; d < 3; d++) slope->W[d][c] = N * (a * slope->W[d][c] + along * q[d]);
     slope->W[SPIN][c] *= N;
   }
-  FrictionForce(RUBS, &load->friction, W, dual, f);
+  LoadRub(RUBS, load, at, W, dual, f);
   along = Dot3(q, f);
   for (int d = 0; d < 3; d++)
     for (int c = 0; c < 3; c++) {
@@ -235,7 +343,7 @@ void LoadParts(int dims, const Load *load, const Place *at, const FrictionDual *
   PetscReal W[RUBS], f[RUBS], of_walls[RUBS] = {0};
 
   LoadFelt(dims, load, at, W);
-  FrictionForce(LoadRubs(dims), &load->friction, W, dual, f);
+  LoadRub(LoadRubs(dims), load, at, W, dual, f);
   if (load->varied) LoadVary(dims, load, at, f);
   *moved = load->walls ? LoadForceWalls(dims, load, at, dual, of_walls) : 0;
   for (int d = 0; d < dims; d++) {

@@ -2,11 +2,12 @@
    ask it alone; no one else knows of what terms it is made. Its sign is that of the equation
    n' = g F: F is what the rod overcomes.
 
-     F = N(x,t) M f(v),   M = q q^T + a q_perp q_perp^T,   f(v) = phi(|v|) v  (friction.h)
+     F = N(x,t) M f(v),   M = q q^T + a q_perp q_perp^T,   f(v) = phi(|v|) v  (friction.h),
 
-   N is a factor that varies in space and time, a the ratio of friction across the rod to that along
-   it. Where N = 1 and a = 1, neither is computed. Walls that press on the rod (contact.h) take
-   their force off F, as does weight.
+   phi the sum of the built-in law's and of those beside it (friction_law.h), N a factor that varies
+   in space and time, a the ratio of friction across the rod to that along it. Where N = 1 and a =
+   1, neither is computed. Walls that press on the rod (contact.h) take their force off F, as does
+   weight.
 
    A rod in space that slides at v and spins at omega about its tangent q in an even grip rubs at W
    = (v, r omega), r the radius at which friction feels the spin:
@@ -25,9 +26,19 @@
 #include "curve/place.h"
 #include "world/contact_push.h"
 #include "world/field.h"
+#include "world/friction_law.h"
+
+/* A law beside the built-in one, and what it knows. */
+typedef struct {
+  const FrictionLaw *kind;
+  void *known;
+} LoadLaw;
 
 typedef struct {
   Friction friction;
+  LoadLaw law[ALL_FRICTION_LAWS];
+  int laws;               /* so many of these were asked for; */
+  PetscBool along;        /* one varies along the rod */
   PetscReal across;       /* a */
   Field field;            /* N over factor; NULL: 1 */
   PetscReal factor;       /* 1 but where a run has changed it */
@@ -73,6 +84,15 @@ void LoadSetWalls(Load *load, const Contact *contact);
 void LoadSetWeight(Load *load, const PetscReal weight[3]);
 void LoadSetFactor(Load *load, PetscReal factor);
 PetscErrorCode LoadDestroy(Load *load);
+size_t LoadLawOptions(const OptionGroup *groups[]);
+PetscBool LoadHas(const Load *load, const FrictionLaw *kind);
+const char *LoadAlong(const Load *load);
+PetscBool LoadIsLinear(const Load *load);
+void LoadDrag(const Load *load, const Place *at, PetscReal speed2, PetscReal drag[]);
+void LoadRubLaws(int n, const Load *load, const Place *at, const PetscReal W[], PetscReal f[]);
+void LoadRubLawsSlope(int n, const Load *load, const Place *at, const PetscReal W[],
+                      PetscReal slope[RUBS][RUBS]);
+PetscReal LoadAxialBetween(const Load *load, PetscReal a, PetscReal b);
 PetscBool LoadIsEven(const Load *load, PetscReal length, PetscReal end);
 void LoadSetArm(Load *load);
 PetscBool LoadInSpace(const Load *load);
@@ -115,13 +135,28 @@ static inline Rubbed LoadRubbed(const Load *load, const Place *at) {
   return (Rubbed){at->x, at->axes[0], at->v, load->arm > 0 ? at->v[SPIN] / load->arm : 0};
 }
 
+/* f(v), W for v. */
+static inline void LoadRub(int n, const Load *load, const Place *at, const PetscReal W[],
+                           const FrictionDual *dual, PetscReal f[]) {
+  FrictionForce(n, &load->friction, W, dual, f);
+  if (load->laws) LoadRubLaws(n, load, at, W, f);
+}
+
+/* phi at a speed, as an observer sees it. */
+static inline PetscReal LoadPhi(const Load *load, const Place *at, PetscReal speed2) {
+  PetscReal drag[] = {0, 0};
+
+  if (load->laws) LoadDrag(load, at, speed2, drag);
+  return FrictionPhi(&load->friction, speed2) + drag[0];
+}
+
 /* LoadForce - the force F that the rod overcomes, per length, and the couple about its tangent. */
 static inline void LoadForce(int dims, const Load *load, const Place *at, const FrictionDual *dual,
                              PetscReal f[RUBS]) {
   PetscReal W[RUBS];
 
   LoadFelt(dims, load, at, W);
-  FrictionForce(LoadRubs(dims), &load->friction, W, dual, f);
+  LoadRub(LoadRubs(dims), load, at, W, dual, f);
   if (dims == 2 && load->plain) return;
   if (load->varied) LoadVary(dims, load, at, f);
   for (int d = 0; d < dims && load->weighs; d++) f[d] -= load->weight[d];
@@ -139,6 +174,7 @@ static inline void LoadLinearise(int dims, const Load *load, const Place *at, Pe
 
   LoadFelt(dims, load, at, W);
   FrictionLinearise(rubs, &load->friction, W, fresh, dual, slope->W);
+  if (load->laws) LoadRubLawsSlope(rubs, load, at, W, slope->W);
   if (load->varied || (dims == 2 && !load->plain))
     LoadVarySlope(dims, load, at, W, dual, slope);
   else if (load->walls)
@@ -162,21 +198,15 @@ static inline void LoadSeen(int dims, const Load *load, const Place *at, PetscRe
   PetscReal W[RUBS], drag;
 
   LoadFelt(dims, load, at, W);
-  drag = FrictionPhi(&load->friction, FrictionSquare(LoadRubs(dims), W));
+  drag = LoadPhi(load, at, FrictionSquare(LoadRubs(dims), W));
   for (int d = 0; d < LoadRubs(dims); d++) f[d] = drag * W[d];
   if (load->varied) LoadVary(dims, load, at, f);
   if (dims == 3) f[SPIN] *= load->radius;
 }
 
 /* The straight rod, which moves along itself: the drag F/v there, without N. */
-static inline PetscReal LoadAxialDrag(const Load *load, PetscReal speed) {
-  return FrictionPhi(&load->friction, speed * speed);
-}
-
-/* The axial load on a piece of straight rod of unit length, whose speed rises evenly from a to b,
-   times b - a; N = 1. */
-static inline PetscReal LoadAxialBetween(const Load *load, PetscReal a, PetscReal b) {
-  return FrictionBetween(&load->friction, a, b);
+static inline PetscReal LoadAxialDrag(const Load *load, const Place *at, PetscReal speed) {
+  return LoadPhi(load, at, speed * speed);
 }
 
 #endif

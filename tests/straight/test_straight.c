@@ -95,7 +95,7 @@ static void Integrals(Scene scene, PetscReal t, int i, int j, PetscReal *K, Pets
     CHECK(GrowthStretch(scene->growth, 1, &z, t, &g, NULL, &g_s));
     CHECK(GrowthArc(scene->growth, 1, &z, t, &p, &v));
     v += GrowthSlide(scene->growth, z, 1);
-    phi = LoadAxialDrag(&scene->load, v);
+    phi = LoadAxialDrag(&scene->load, &(Place){.s = z, .t = t}, v);
     *K += ds * (-(a2 / g - a1 * g_s / (g * g)) * (b2 / g - b1 * g_s / (g * g)) / g +
                 P[k] / g * a1 * b1 - phi * GrowthSlide(scene->growth, z, 1) * a * b1);
     *D += ds * g * phi * a * b;
