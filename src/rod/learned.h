@@ -99,6 +99,9 @@ typedef struct Learned_ {
   PetscReal *label, (*over)[LEARNED_STENCIL]; /* of all places: see LearnedCarry(); NULL: not yet */
   PetscReal *turned;       /* of owned nodes, right-hand side and unknowns as they are eliminated */
   LearnedCorner corner;    /* in the state taken apart last */
+  /* The corner is small, and goes with states near and far: derivatives leave out what it does.
+     They are those of equations that have none, by which they are tested. */
+  PetscBool smooth;
   PetscReal *rhs, *beside; /* a right-hand side taken apart: its states, and mechanics */
 } * Learned;
 

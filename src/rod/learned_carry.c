@@ -135,7 +135,7 @@ PetscErrorCode LearnedFindCorner(Rod rod, PetscReal t, Vec U) {
 
   PetscFunctionBegin;
   self->corner.cell = -1;
-  if (!LearnedHasCorner(rod)) PetscFunctionReturn(0);
+  if (self->smooth || !LearnedHasCorner(rod)) PetscFunctionReturn(0);
   if (!self->label) PetscCall(FindLabels(rod));
   if (!rod->alone) {
     PetscCall(PetscMalloc1((BEYOND + 2 * rod->last + 2) * per, &room));

@@ -4,6 +4,7 @@
 #define TENDRIL_BY_RATE_H
 
 #include "harness.h"
+#include "rod/learned.h"
 #include "rod/rod.h"
 
 /* A new vector of entries size * [-1, 1], the same on any number of ranks. */
@@ -47,7 +48,8 @@ static inline void Shifted(Rod rod, const RodState *at, Vec w, PetscReal e, Vec 
   CHECK(VecRestoreArrayRead(w, &d));
 }
 
-/* The initial shape at t shaken, with rates of order 1. */
+/* The initial shape at t shaken, with rates of order 1. What has learned has no corner at a front:
+ * see learned.h. */
 static inline void ShakenState(Rod rod, PetscReal t, PetscReal shake, Vec *U, Vec *U_t) {
   Node *nodes;
   Vec noise = RandomVector(rod, 1, shake);
@@ -59,6 +61,7 @@ static inline void ShakenState(Rod rod, PetscReal t, PetscReal shake, Vec *U, Ve
   CHECK(PetscFree(nodes));
   CHECK(VecDestroy(&noise));
   *U_t = RandomVector(rod, 2, 1);
+  if (rod->learned) rod->learned->smooth = PETSC_TRUE;
 }
 
 /* F(U + e w, U_t + e shift w) - F(U, U_t) - e J w, its largest entry for each field. */
