@@ -62,6 +62,7 @@ for file in options/*.opts; do
   wire-spun) what=(--panels space,shapes,curvature,twisting --times 5,9,14) ;;
   rod-bent) what=(--panels space,norm,curvature,twisting) ;;
   root-laterals) what=(--panels space --times 1 --view 15,25) ;;
+  root-born) what=(--panels space --times 30h --view 15,25) ;;
   seedlings) what=(--panels space --times 0.75 --view 30,25) ;;
   against-wall) what=(--panels shapes,contact --times 0.4,0.6,1,4) ;;
   root-stones) what=(--panels shapes --times 1,3,6,10) ;;
