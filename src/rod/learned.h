@@ -97,8 +97,8 @@ typedef struct Learned_ {
   PetscReal *border[TROPISM_BENDS], inverse[TROPISM_BENDS][TROPISM_BENDS]; /* J^-1 w */
   PetscReal *b, *x, *free; /* room: of owned nodes; free parts of the states of places */
   PetscReal *label, (*over)[LEARNED_STENCIL]; /* of all places: see LearnedCarry(); NULL: not yet */
-  PetscReal *turned;       /* of owned nodes, right-hand side and unknowns as they are eliminated */
-  LearnedCorner corner;    /* in the state taken apart last */
+  PetscReal *turned;    /* of owned nodes, right-hand side and unknowns as they are eliminated */
+  LearnedCorner corner; /* in the state taken apart last */
   /* The corner is small, and goes with states near and far: derivatives leave out what it does.
      They are those of equations that have none, by which they are tested. */
   PetscBool smooth;
