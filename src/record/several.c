@@ -619,6 +619,7 @@ PetscErrorCode SeveralTake(Several *self, const char *from, PetscReal t, PetscRe
    joints: so many others are joined to the rod, for each of which the file has a node more, or two.
  */
 PetscErrorCode SeveralLabels(const char *from, PetscInt k, PetscInt joints, Scene scene) {
+  Mesh *mesh = &scene->mesh;
   PetscReal *s, *first, *count;
   PetscInt n, rods, cells = 0;
   PetscBool same;
@@ -628,17 +629,17 @@ PetscErrorCode SeveralLabels(const char *from, PetscInt k, PetscInt joints, Scen
   PetscCall(HdfRead("-restart", from, "/rods/first", 1, &rods, &first));
   PetscCall(HdfRead("-restart", from, "/rods/count", 1, &rods, &count));
   if (k < rods && (PetscInt)(first[k] + count[k]) <= n) cells = (PetscInt)count[k] - 1;
-  same = (PetscBool)(cells >= scene->mesh.cells && cells <= scene->mesh.cells + 2 * joints);
+  same = (PetscBool)(cells >= mesh->cells && cells <= mesh->cells + 2 * joints);
   if (same) {
-    scene->mesh.cells = cells;
-    PetscCall(PetscRealloc((size_t)(cells + 1) * sizeof(*s), &scene->mesh.s));
-    PetscCall(PetscArraycpy(scene->mesh.s, s + (PetscInt)first[k], cells + 1));
+    mesh->cells = cells;
+    PetscCall(PetscRealloc((size_t)(cells + 1) * sizeof(*s), &mesh->s));
+    PetscCall(PetscArraycpy(mesh->s, s + (PetscInt)first[k], cells + 1));
   }
   PetscCall(PetscFree(s));
   PetscCall(PetscFree(first));
   PetscCall(PetscFree(count));
   UserCheck(same, OptionsComm(), "-rod_cells %d: the run in -restart %s has another number",
-            (int)scene->mesh.cells, from);
+            (int)mesh->cells, from);
   PetscFunctionReturn(0);
 }
 

@@ -138,6 +138,17 @@ PetscReal RodLongest(const Rod rod) {
   return longest;
 }
 
+/* RodLabels - those of its nodes, of one rod. Borrowed. */
+const PetscReal *RodLabels(const Rod rod) {
+  return rod->scene->mesh.s;
+}
+
+/* RodPassed - the labels that the front of its growth passes between two times, of one rod. */
+void RodPassed(const Rod rod, PetscReal t0, PetscReal t1, PetscReal *from, PetscReal *to) {
+  *from = GrowthFront(rod->scene->growth, t0);
+  *to = GrowthFront(rod->scene->growth, t1);
+}
+
 /* RodEndTime - when its run ends, as its scene has it. */
 PetscReal RodEndTime(const Rod rod) {
   return rod->each[0]->scene->end_time;

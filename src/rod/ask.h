@@ -31,6 +31,8 @@ PetscErrorCode RodLength(const Rod rod, PetscReal t, PetscReal *length);
 PetscErrorCode RodStiffnessAt(const Rod rod, PetscInt node, PetscReal t, PetscReal *g,
                               PetscReal S[3]);
 PetscReal RodLongest(const Rod rod);
+const PetscReal *RodLabels(const Rod rod);
+void RodPassed(const Rod rod, PetscReal t0, PetscReal t1, PetscReal *from, PetscReal *to);
 PetscReal RodEndTime(const Rod rod);
 const SceneUnits *RodUnits(const Rod rod);
 

@@ -87,9 +87,9 @@ static PetscBool HasRate(const Estimate self, PetscInt f) {
                      (LearnedExtra(self->leg->rod) && f == learned->mech - 1)); /* L */
 }
 
-/* Where a front goes by, what differences at a place tell of is not the error: of what is learned
-   it is that along the material, which this adds to a combination of n points; of angles it is not
-   known (see LeavePassed() in stepping/leg.c), from one label on to another. */
+/* Where a front goes by, from one label on to another, differences at a place do not tell the
+   error: of what is learned that along the material does, which is added to; of angles, see leg.c.
+ */
 static PetscErrorCode AlongFront(Estimate self, PetscInt n, const PetscReal since[],
                                  const Vec point[], PetscReal weight[][VBDF_FIELDS], Vec along,
                                  PetscReal *from, PetscReal *to) {
@@ -100,8 +100,7 @@ static PetscErrorCode AlongFront(Estimate self, PetscInt n, const PetscReal sinc
   PetscCall(TSGetTime(self->leg->ts, &t));
   for (PetscInt j = 0; j < n; j++) times[j] = t + since[j];
   PetscCall(LearnedCarry(rod, t, n, times, point, weight, PETSC_TRUE, along));
-  *from = GrowthFront(rod->scene->growth, times[n - 1]);
-  *to = GrowthFront(rod->scene->growth, t);
+  RodPassed(rod, times[n - 1], t, from, to);
   PetscFunctionReturn(0);
 }
 
@@ -113,7 +112,7 @@ static PetscErrorCode AddLocal(Estimate self, PetscReal times_error,
   const PetscInt fields = self->fields, followed = self->followed;
   const PetscScalar *u[VBDF_POINTS];
   const Rod rod = self->leg->rod;
-  const PetscReal *s = rod->scene->mesh.s, *more = NULL;
+  const PetscReal *s = RodLabels(rod), *more = NULL;
   PetscReal from = 1, to = 0;
   PetscInt n, points, order;
   Vec point[VBDF_POINTS], along = NULL;

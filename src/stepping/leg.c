@@ -10,7 +10,7 @@
    nodes that it passes on the way from the points of the formula to the end of the step differences
    tell nothing of errors, which are of places there, of the third order. */
 static PetscErrorCode LeavePassed(const Leg *leg, const Rod rod, PetscInt begin, PetscScalar *a) {
-  const PetscReal *s = rod->scene->mesh.s;
+  const PetscReal *s = RodLabels(rod);
   PetscReal times[VBDF_POINTS], t, step, from, to;
   PetscInt n, order;
   Vec points[VBDF_POINTS];
@@ -19,8 +19,7 @@ static PetscErrorCode LeavePassed(const Leg *leg, const Rod rod, PetscInt begin,
   PetscCall(TSGetTime(leg->ts, &t));
   PetscCall(TSGetTimeStep(leg->ts, &step));
   PetscCall(VBDFGetHistory(leg->ts, &n, times, points, &order));
-  from = GrowthFront(rod->scene->growth, n ? t + times[n - 1] : t);
-  to = GrowthFront(rod->scene->growth, t + step);
+  RodPassed(rod, n ? t + times[n - 1] : t, t + step, &from, &to);
   for (PetscInt i = rod->first; i < rod->end; i++)
     for (PetscInt f = 0; f < rod->learned->lead && s[i] >= from && s[i] <= to; f++)
       if (!RodIsPlace(rod->model, f)) a[(begin + i - rod->first) * rod->model->fields + f] = -1;
