@@ -46,6 +46,7 @@ typedef struct {
   Vec moves;
   Modes modes;
   Growing growing;
+  Vec mode; /* of which that is, once it is found */
 } Frame;
 
 /* ---- loads ---- */
@@ -326,8 +327,8 @@ static PetscErrorCode Create(Run *run, Frame *self) {
 }
 
 static PetscErrorCode Destroy(Frame *self) {
-  Vec *const vector[] = {&self->U,       &self->rest,    &self->F,    &self->work,
-                         &self->from[0], &self->from[1], &self->moves};
+  Vec *const vector[] = {&self->U,       &self->rest,    &self->F,     &self->work,
+                         &self->from[0], &self->from[1], &self->moves, &self->mode};
 
   PetscFunctionBegin;
   PetscCall(ModesDestroy(&self->modes));
@@ -347,12 +348,9 @@ static PetscErrorCode Farthest(const Frame *self, PetscInt *which) {
   const PetscInt fields = self->rod->model->fields;
   const PetscScalar *u;
   PetscReal most = -1;
-  Vec mode;
 
   PetscFunctionBegin;
-  PetscCall(VecDuplicate(self->U, &mode));
-  PetscCall(EPSGetEigenvector(self->modes.eps, self->growing.which, mode, NULL));
-  PetscCall(VecGetArrayRead(mode, &u));
+  PetscCall(VecGetArrayRead(self->mode, &u));
   for (PetscInt k = 0; k < self->rod->rods; k++)
     for (PetscInt i = self->rod->at[k]; i < self->rod->at[k + 1]; i++) {
       PetscReal size = 0;
@@ -360,8 +358,7 @@ static PetscErrorCode Farthest(const Frame *self, PetscInt *which) {
       if (size > most) *which = k;
       most = PetscMax(size, most);
     }
-  PetscCall(VecRestoreArrayRead(mode, &u));
-  PetscCall(VecDestroy(&mode));
+  PetscCall(VecRestoreArrayRead(self->mode, &u));
   PetscFunctionReturn(0);
 }
 
@@ -371,13 +368,10 @@ static PetscErrorCode WriteMode(const Frame *self, HdfFile file) {
   const PetscInt n = rod->last + 1, fields = rod->model->fields, dims[] = {n, 3};
   PetscReal(*x)[3], (*moves)[3], most = 0, *first;
   const PetscScalar *u, *state;
-  Vec mode;
 
   PetscFunctionBegin;
   PetscCall(PetscMalloc3(n, &x, n, &moves, rod->rods, &first));
-  PetscCall(VecDuplicate(self->U, &mode));
-  PetscCall(EPSGetEigenvector(self->modes.eps, self->growing.which, mode, NULL));
-  PetscCall(VecGetArrayRead(mode, &u));
+  PetscCall(VecGetArrayRead(self->mode, &u));
   PetscCall(VecGetArrayRead(self->U, &state));
   for (PetscInt k = 0; k < rod->rods; k++)
     for (PetscInt i = rod->at[k]; i < rod->at[k + 1]; i++) {
@@ -389,8 +383,7 @@ static PetscErrorCode WriteMode(const Frame *self, HdfFile file) {
     for (int d = 0; d < 3; d++) moves[i][d] /= most;
   for (PetscInt k = 0; k < rod->rods; k++) first[k] = (PetscReal)rod->at[k];
   PetscCall(VecRestoreArrayRead(self->U, &state));
-  PetscCall(VecRestoreArrayRead(mode, &u));
-  PetscCall(VecDestroy(&mode));
+  PetscCall(VecRestoreArrayRead(self->mode, &u));
   PetscCall(HdfWrite(file, "/critical/first", 1, &rod->rods, first, "1",
                      "first node of each rod [rods]"));
   PetscCall(HdfWrite(file, "/critical/x", 2, dims, x[0], "l", "where the rods are then [n, 3]"));
@@ -485,6 +478,8 @@ static PetscErrorCode FindOn(Run *run, Frame *frame, Found *found) {
   PetscCall(Create(run, frame));
   PetscCall(Find(frame, &found->factor));
   found->frequency = frame->growing.frequency;
+  PetscCall(VecDuplicate(frame->U, &frame->mode));
+  PetscCall(EPSGetEigenvector(frame->modes.eps, frame->growing.which, frame->mode, NULL));
   PetscFunctionReturn(0);
 }
 
