@@ -457,6 +457,8 @@ static PetscErrorCode Check(const Run *run) {
     UserCheck(!strcmp(scene->growth->type, "none"), OptionsComm(),
               "-growth_type %s: %s, and grow no more; give -growth_type none", scene->growth->type,
               about);
+    UserCheck(scene->born == 0, OptionsComm(), "-born: %s, all rods from the start; take it out",
+              about);
     UserCheck(!scene->contact.any, OptionsComm(), "-%s: %s and touch nothing; take it out",
               scene->contact.self || scene->contact.among ? "contact_rods" : "wall_file", about);
     UserCheck(!LoadSticks(&scene->load) && !scene->load.limit, OptionsComm(),

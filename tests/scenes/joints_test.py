@@ -294,6 +294,7 @@ REFUSED = [  # (lines of a scene, what is said)
     ("[rod a]\n-clamp_on a\n", "line 2, rod a: -clamp_on a: a rod cannot hold itself"),
     ("-task critical\n[rod a]\n-tip_force 1\n", "line 2, rod a: -growth_type uniform: -task critical of several rods is about frames"),
     ("-task critical\n-growth_type none\n-friction_beta 0\n[rod a]\n-tip_force 1\n", "rod a: -friction_beta: -task critical of several rods"),
+    ("-task critical\n-growth_type none\n-tip_force 1\n[rod a]\n[rod b]\n-clamp_on a\n-born 1\n", "line 7, rod b: -born: -task critical of several rods"),
     ("-task critical\n-growth_type none\n[rod a]\n", "-task critical: nothing loads the rods"),
     ("-task critical\n-growth_type none\n[rod a]\n-clamp_direction 0,0,1\n-tip_force_vector 0,0,1\n", "-task critical: the rods are stable up to"),
     ("-task critical\n-growth_type none\n-tip_force 1\n[rod a]\n-clamp_direction 0,1\n-clamp_type hinged\n[rod b]\n-clamp_on a\n", "the rods move without a load"),
